@@ -5,7 +5,7 @@ mod bodies;
 pub mod fuzz;
 mod invariants;
 mod planes;
-mod reference_table;
+pub mod stability;
 
 pub use blades::{Blade, any_blade, any_level, flat_blade};
 pub use bodies::{
@@ -16,13 +16,13 @@ pub use invariants::{
     euler_characteristics, exact_params,
 };
 pub use planes::{LARGE, Planes};
-pub use reference_table::{Reference, reference_cuts, shared_folder};
 
 use proptest::test_runner::{Config, RngSeed};
 
 /// Returns a configuration of properties with the same cases in every run.
 ///
-/// `PROPTEST_CASES` and `PROPTEST_RNG_SEED` change number and seed.
+/// `INCISE_CASES` multiplies the number of cases. `PROPTEST_CASES` replaces it, and
+/// `PROPTEST_RNG_SEED` the seed.
 #[must_use]
 pub fn cases(count: u32) -> Config {
     let mut config = Config {
@@ -30,7 +30,9 @@ pub fn cases(count: u32) -> Config {
         ..Config::default()
     };
     if std::env::var_os("PROPTEST_CASES").is_none() {
-        config.cases = count;
+        let factor = std::env::var("INCISE_CASES").ok();
+        let factor = factor.and_then(|factor| factor.parse().ok()).unwrap_or(1);
+        config.cases = count.saturating_mul(factor);
     }
     if config.rng_seed == RngSeed::Random {
         config.rng_seed = RngSeed::Fixed(1);

@@ -10,7 +10,6 @@ mod backend;
 mod chart;
 mod clock;
 mod cut;
-mod directions;
 mod frame_rates;
 mod html_report;
 mod json;

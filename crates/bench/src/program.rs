@@ -60,7 +60,6 @@ impl Arguments {
             || match &self.command {
                 #[cfg(feature = "reference")]
                 Some(Command::Accuracy(accuracy)) => accuracy.writes_more(),
-                Some(Command::Stability(stability)) => stability.writes_more(),
                 Some(Command::Report(_)) => true,
                 _ => false,
             }

@@ -1,86 +1,23 @@
-//! `incise-bench stability`: stress tests that take minutes or fail today.
-//!
-//! Each has an invariant and the worst value found. Short ones that hold are tests of the crates.
-
-mod bars;
-mod case;
-mod closing;
-mod constraint_order;
-mod contacts;
-mod cuts;
-#[cfg(feature = "gpu")]
-mod device;
-#[cfg(not(feature = "gpu"))]
-mod device {
-    use super::error::StressError;
-    use incise_mesh::Surface;
-    use incise_pbd_gpu::{Solver, SolverParams};
-    use incise_scene::BackendRequest;
-
-    crate::no_gpu::absent_device! {
-        backend() -> BackendRequest;
-        describe() -> String;
-        add(&Surface, &mut Solver) -> Result<Place, StressError>;
-        remove(Place) -> ();
-        step(Place, &mut Solver, f32, &SolverParams) -> Result<(), StressError>;
-        update(Place, &Surface, &mut Solver) -> Result<(), StressError>;
-        read(Place, &mut Surface, &mut Solver) -> Result<(), StressError>;
-    }
-
-    /// A body on the GPU; this build has none.
-    #[derive(Debug, Clone, Copy)]
-    pub(super) enum Place {}
-}
-mod drape;
-mod drop;
-mod energy;
-mod error;
-mod group;
-mod heaps;
-mod knot;
-mod map;
-mod masses;
-mod measured;
-mod pins;
-mod plates;
-mod plot;
-pub(crate) mod row;
-mod runner;
-mod scales;
-mod scenes;
-mod sleep;
-mod slivers;
-mod solids;
-mod steps;
-mod subjects;
-#[cfg(test)]
-mod tests;
-mod verdicts;
-mod volumes;
-mod walls;
-mod workers;
+//! `incise-bench stability`: stress cases, with a verdict on each of their invariants.
 
 use crate::backend::Executor;
 use crate::json::Json;
 use crate::machine;
+use crate::models::files;
 use crate::numbers::short;
 use crate::options::{ModelArguments, RunArguments};
-use crate::output::OutputError;
-use crate::picture::PictureFile;
-use crate::text_table::{count, paragraphs, table_with_text};
-use case::Case;
+use crate::skip::row::verdict;
+use crate::text_table::{Column, count, paragraphs, table_with_text};
 use clap::Args;
-use device::Device;
-use map::Cell;
-use measured::groups;
-use plot::Map;
-use row::Row;
-use runner::{Effort, Runner, Setting};
+use incise_mesh::{RepairParams, read_mesh};
+use incise_tests::stability::{Case, Runner, Subject, Verdict, cases};
+use serde::{Deserialize, Serialize};
 use std::error::Error;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::Path;
+use std::sync::mpsc;
+use std::thread;
 use std::time::Instant;
-use verdicts::verdicts;
 
 /// Runs stress tests of the solver; fails if an invariant does not hold.
 #[derive(Args, Clone)]
@@ -88,11 +25,8 @@ pub(crate) struct StabilityArguments {
     #[command(flatten)]
     pub(crate) run: RunArguments,
     /// Cases to run, separated by commas, for example T1,T3,volume.
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = id)]
     only: Vec<String>,
-    /// Run a part of every case: seconds instead of minutes.
-    #[arg(long)]
-    quick: bool,
     #[command(flatten)]
     models: ModelArguments,
     /// Drops of each model in the case `drop`, at most 800; large models have fewer by default.
@@ -104,98 +38,104 @@ pub(crate) struct StabilityArguments {
     /// Print every run beyond its bound, the worst first.
     #[arg(long)]
     list: bool,
-    /// Also draw the stability map of the case `map` as SVG and PNG: time steps by compliances,
-    /// one panel per load.
-    #[arg(long, value_name = "FILE")]
-    plot: Option<PathBuf>,
 }
 
-impl StabilityArguments {
-    /// Returns whether the run writes more files than its rows.
-    pub(crate) fn writes_more(&self) -> bool {
-        self.plot.is_some()
+/// Parses the name of a case, in any case.
+fn id(text: &str) -> Result<String, String> {
+    let mut ids: Vec<&str> = cases().map(|case| case.id).collect();
+    let is_meant = |id: &&&str| id.eq_ignore_ascii_case(text.trim());
+    if let Some(id) = ids.iter().find(is_meant) {
+        return Ok((*id).to_owned());
     }
+    ids.dedup();
+    Err(format!("it is none of {}", ids.join(", ")))
+}
 
-    fn setting(&self) -> Result<Setting, Box<dyn Error>> {
-        Ok(Setting {
-            effort: match self.quick {
-                true => Effort::Quick,
-                false => Effort::Full,
-            },
-            subjects: subjects::load(self.models.models.as_deref())?.into(),
-            samples: self.samples,
-            matching: self.matching.clone(),
-        })
+/// The verdict on one invariant of a case.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct Row {
+    id: String,
+    /// Older files call it `torture`.
+    #[serde(alias = "torture")]
+    stress: String,
+    /// Older files call it `law`.
+    #[serde(alias = "law")]
+    invariant: String,
+    bound: Option<f64>,
+    /// The largest value; none when a run failed.
+    worst: Option<f64>,
+    /// The run of the largest value, or the error.
+    at: String,
+    runs: usize,
+    pub(crate) passed: bool,
+    /// Time of all runs of the case, with its first invariant \[s\].
+    seconds: f64,
+    pub(crate) backend: String,
+    device: String,
+    commit: String,
+    version: String,
+}
+
+/// Columns of the printed table and of the report.
+pub(crate) const COLUMNS: &[Column<Row>] = &[
+    ("case", |row| row.id.clone()),
+    ("backend", |row| row.backend.clone()),
+    ("verdict", |row| verdict(row.passed)),
+    ("runs", |row| row.runs.to_string()),
+    ("bound", |row| short(row.bound)),
+    ("worst", |row| short(row.worst)),
+];
+
+/// Explains the columns.
+const LEGEND: &str = "\
+runs: number of runs. worst: the largest value of all runs; a case passes when it is at most the \
+bound. -: a run ended in an error or in a position that is not finite. The limits of every motion \
+hold where no unknown work is done: ten times the speed that all of the energy would give the \
+lightest vertex, a stated distance from the origin, a mean strain of 5% after 5 s, 1.01 of the \
+energy.";
+
+impl Row {
+    /// Returns the text beside the columns.
+    pub(crate) fn text(&self) -> String {
+        let Self { stress, at, .. } = self;
+        format!("{stress}\ninvariant: {}\nat: {at}", self.invariant)
     }
 }
 
-/// Returns all cases in the order of the table.
-fn cases() -> impl Iterator<Item = Case> {
-    let parts: [&[Case]; 18] = [
-        &steps::CASES,
-        &masses::CASES,
-        &scales::CASES,
-        &pins::CASES,
-        &volumes::CASES,
-        &contacts::CASES,
-        &walls::CASES,
-        &sleep::CASES,
-        &constraint_order::CASES,
-        &map::CASES,
-        &heaps::CASES,
-        &closing::CASES,
-        &knot::CASES,
-        &drape::CASES,
-        &bars::CASES,
-        &plates::CASES,
-        &slivers::CASES,
-        &drop::CASES,
-    ];
-    parts.into_iter().flatten().copied()
+/// Returns the meshes of a folder that can be cut.
+fn subjects(folder: &Path) -> Result<Vec<Subject>, Box<dyn Error>> {
+    let repairs = RepairParams {
+        allow_boundaries: true,
+        separate_sheets: true,
+    };
+    let subject = |path: &std::path::PathBuf| {
+        let (surface, _) = read_mesh(path).ok()?.repair(repairs).ok()?;
+        let name = path.file_name().unwrap_or_default();
+        Subject::new(name.to_string_lossy().into_owned(), surface)
+    };
+    Ok(files(folder)?.iter().filter_map(subject).collect())
 }
 
-/// Returns the named cases, or all if none is named.
-fn chosen(only: &[String]) -> Result<Vec<Case>, String> {
-    let is = |case: &Case, name: &str| case.id.eq_ignore_ascii_case(name.trim());
-    if let Some(name) = (only.iter()).find(|name| !cases().any(|case| is(&case, name))) {
-        let mut ids: Vec<&str> = Vec::new();
-        for case in cases() {
-            if !ids.contains(&case.id) {
-                ids.push(case.id);
-            }
-        }
-        return Err(format!("'{name}' is none of {}", ids.join(", ")));
-    }
-    let wanted = |case: &Case| only.is_empty() || only.iter().any(|name| is(case, name));
-    Ok(cases().filter(wanted).collect())
-}
-
-/// Opens the pictures of `--plot`, one per backend; with several, the backend ends the name.
-///
-/// # Errors
-/// An error when a file cannot be written or the case `map` does not run.
-fn plots(
+/// Opens a backend; also returns its description.
+fn open(
     arguments: &StabilityArguments,
-    cases: &[Case],
-) -> Result<Vec<PictureFile>, Box<dyn Error>> {
-    let Some(path) = &arguments.plot else {
-        return Ok(Vec::new());
+    executor: Executor,
+) -> Result<(Runner, String), Box<dyn Error>> {
+    let subjects = match &arguments.models.models {
+        Some(folder) => subjects(folder)?,
+        None => Subject::built_in(),
     };
-    if !cases.iter().any(|case| case.id == map::CASES[0].id) {
-        return Err("--plot draws the case map: add map to --only, or omit --plot".into());
-    }
-    let backends = arguments.run.backends();
-    let open = |executor: &Executor| match backends.len() {
-        1 => PictureFile::open(path),
-        _ => {
-            let mut name = path.file_stem().unwrap_or_default().to_owned();
-            name.push("-");
-            name.push(executor.name());
-            PictureFile::open(&path.with_file_name(name))
-        }
+    let (mut runner, device) = match executor {
+        Executor::Cpu => (Runner::cpu(subjects), machine::machine()),
+        #[cfg(feature = "gpu")]
+        Executor::Gpu => Runner::gpu(subjects, arguments.run.gpu.adapter.as_deref())?,
+        #[cfg(not(feature = "gpu"))]
+        Executor::Gpu => return Err(crate::no_gpu::NoGpu.into()),
     };
-    let opened: Result<Vec<_>, OutputError> = backends.iter().map(open).collect();
-    Ok(opened?)
+    runner.samples = arguments.samples;
+    runner.matching.clone_from(&arguments.matching);
+    Ok((runner, device))
 }
 
 /// Runs the cases, prints and writes their verdicts.
@@ -204,63 +144,74 @@ pub(crate) fn run(
     out: &mut impl Write,
 ) -> Result<(), Box<dyn Error>> {
     let begin = Instant::now();
-    let named = chosen(&arguments.only)?;
+    let only = &arguments.only;
+    let is_meant = |case: &&Case| only.is_empty() || only.iter().any(|id| id == case.id);
+    let named: Vec<(usize, &Case)> = cases().filter(is_meant).enumerate().collect();
     let mut json = Json::open(arguments.run.rows.json.as_deref())?;
-    let mut plots = plots(arguments, &named)?.into_iter();
-    let mut drawn: Vec<(PictureFile, Vec<Cell>)> = Vec::new();
     let commit = machine::commit();
-    let setting = arguments.setting()?;
     let mut rows: Vec<Row> = Vec::new();
     let mut written = Ok(());
     for executor in arguments.run.backends() {
-        let device = match executor {
-            Executor::Cpu => None,
-            Executor::Gpu => Some(Device::open(arguments.run.gpu.adapter.as_deref())?),
-        };
-        let described = (device.as_ref()).map_or_else(machine::machine, Device::describe);
+        let (runner, device) = open(arguments, executor)?;
         let backend = executor.name();
-        writeln!(out, "{backend}: {described}, commit {commit}")?;
-        if arguments.quick {
-            writeln!(out, "Quick: a part of every case.")?;
-        }
-        let runner = Runner::new(setting.clone(), device);
-        let progress = arguments.run.rows.progress(groups(&named).len(), 1);
+        writeln!(out, "{backend}: {device}, commit {commit}")?;
+        let progress = arguments.run.rows.progress(named.len(), 1);
         let mut told = Ok(());
-        let (verdicts, map) = verdicts(&named, runner, |rows| {
-            progress.begin(&rows[0].id);
-            told = progress.suspend(|| print(rows, arguments.list, out));
-            progress.step();
+        let mut all = Vec::new();
+        thread::scope(|scope| {
+            let (send, receive) = mpsc::channel();
+            let (named, runner) = (&named, &runner);
+            scope.spawn(move || {
+                runner.each(named, |&(number, case)| {
+                    let begin = Instant::now();
+                    let verdicts = case.verdicts(runner);
+                    let sent = send.send((number, verdicts, begin.elapsed().as_secs_f64()));
+                    sent.expect("the receiver waits for all");
+                })
+            });
+            for (number, verdicts, seconds) in receive {
+                progress.begin(verdicts[0].case.id);
+                told = progress.suspend(|| print(&verdicts, seconds, arguments.list, out));
+                progress.step();
+                all.push((number, verdicts, seconds));
+            }
         });
         progress.end();
         told?;
-        rows.extend(verdicts.into_iter().map(|row| Row {
-            backend: backend.to_owned(),
-            device: described.clone(),
-            commit: commit.clone(),
-            ..row
-        }));
-        drawn.extend(plots.next().zip(map));
+        all.sort_by_key(|&(number, ..)| number);
+        for (_, verdicts, seconds) in all {
+            let times = std::iter::once(seconds).chain(std::iter::repeat(0.0));
+            rows.extend(
+                verdicts
+                    .into_iter()
+                    .zip(times)
+                    .map(|(verdict, seconds)| Row {
+                        id: verdict.case.id.to_owned(),
+                        stress: verdict.case.stress.to_owned(),
+                        invariant: verdict.invariant.to_owned(),
+                        bound: Some(verdict.bound),
+                        worst: verdict.worst.is_finite().then_some(verdict.worst),
+                        passed: verdict.passed(),
+                        runs: verdict.runs,
+                        at: verdict.at,
+                        seconds,
+                        backend: backend.to_owned(),
+                        device: device.clone(),
+                        commit: commit.clone(),
+                        version: env!("CARGO_PKG_VERSION").to_owned(),
+                    }),
+            );
+        }
         written = json.write(&rows);
     }
     let heading = "stress, invariant, and the worst run";
-    write!(
-        out,
-        "{}",
-        table_with_text(row::COLUMNS, &rows, heading, Row::text)
-    )?;
-    write!(out, "{}", paragraphs(row::LEGEND))?;
+    let table = table_with_text(COLUMNS, &rows, heading, Row::text);
+    write!(out, "{table}{}", paragraphs(LEGEND))?;
     let failed = rows.iter().filter(|row| !row.passed).count();
     // Cases run side by side, so that their times add up to more.
     let seconds = begin.elapsed().as_secs_f64();
-    writeln!(
-        out,
-        "Failed: {failed} of {}, in {seconds:.0} s.",
-        count(rows.len(), "verdict")
-    )?;
-    for (mut file, cells) in drawn {
-        let (cells, bound) = (cells.as_slice(), map::CASES[0].bound);
-        file.draw(plot::SIZE, &Map { cells, bound })?;
-    }
+    let all = count(rows.len(), "verdict");
+    writeln!(out, "Failed: {failed} of {all}, in {seconds:.0} s.")?;
     written?;
     let names = disagreements(&rows);
     if !names.is_empty() {
@@ -273,16 +224,16 @@ pub(crate) fn run(
     Ok(())
 }
 
-/// Prints a line for each verdict of a group, and for each run beyond its bound if asked to.
-fn print(rows: &[Row], list: bool, out: &mut impl Write) -> io::Result<()> {
-    for row in rows {
-        let verdict = if row.passed { "pass" } else { "FAIL" };
+/// Prints a line for each verdict of a case, and for each run beyond its bound if asked to.
+fn print(verdicts: &[Verdict], seconds: f64, list: bool, out: &mut impl Write) -> io::Result<()> {
+    for found in verdicts {
+        let Case { id, stress, .. } = found.case;
+        let (verdict, invariant) = (verdict(found.passed()), found.invariant);
         writeln!(
             out,
-            "{verdict}  {} ({:.1} s): {}; {}",
-            row.id, row.seconds, row.stress, row.invariant
+            "{verdict}  {id} ({seconds:.1} s): {stress}; {invariant}"
         )?;
-        for (value, at) in row.beyond.iter().filter(|_| list) {
+        for (value, at) in found.beyond.iter().filter(|_| list) {
             writeln!(out, "      {}  {at}", short(Some(*value)))?;
         }
     }
@@ -295,8 +246,33 @@ fn disagreements(rows: &[Row]) -> Vec<String> {
         let same = |other: &&Row| {
             (&other.id, &other.stress, &other.invariant) == (&row.id, &row.stress, &row.invariant)
         };
-        rows.iter().find(same).is_some_and(|r| r.passed)
+        rows.iter().find(same).is_some_and(|row| row.passed)
     };
     let differing = rows.iter().filter(|row| row.passed != first(row));
     differing.map(|row| row.id.clone()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cases_are_found_by_their_names() {
+        assert_eq!(id("t1").as_deref(), Ok("T1"));
+        let told = id("T99").unwrap_err();
+        for id in ["contradiction", "T10", "map"] {
+            assert_eq!(told.matches(id).count(), 1, "{told}");
+        }
+    }
+
+    #[test]
+    fn backends_agree_when_every_verdict_is_the_same() {
+        let row = |passed| Row {
+            id: "T1".to_owned(),
+            passed,
+            ..Row::default()
+        };
+        assert!(disagreements(&[row(false), row(false)]).is_empty());
+        assert_eq!(disagreements(&[row(true), row(false)]), ["T1"]);
+    }
 }

@@ -7,6 +7,8 @@ mod implicit;
 mod polygonize;
 mod relax;
 mod scene_shapes;
+#[cfg(feature = "scenes")]
+pub mod scenes;
 mod seams;
 mod shell;
 mod tube;
@@ -14,7 +16,7 @@ mod tube;
 use implicit::Body;
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3, cube_sphere, icosphere};
-pub use scene_shapes::{double_cone, sheet};
+pub use scene_shapes::{double_cone, place, pose, sheet};
 use shell::Shell;
 
 /// Radius of the sphere models \[m\].

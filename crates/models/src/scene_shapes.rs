@@ -1,6 +1,7 @@
-//! Surfaces of solver scenes: a rectangular sheet and a double cone.
+//! Surfaces of solver scenes: a rectangular sheet and a double cone. Motions of a whole surface.
 
-use incise_mesh::Surface;
+use incise_mesh::geometry::to_f32;
+use incise_mesh::{Surface, Vec3, VertexId};
 
 /// Returns a rectangular sheet of `counts` squares across and down, with a total `size` \[m\].
 ///
@@ -50,6 +51,23 @@ pub fn double_cone(n: u32) -> Surface {
     let sides = (0..n).map(|i| (2 + i, 2 + (i + 1) % n));
     let faces: Vec<[u32; 3]> = sides.flat_map(|(a, b)| [[0, b, a], [1, a, b]]).collect();
     Surface::from_triangles(&points, &faces).expect("a ring of three or more vertices")
+}
+
+/// Moves every vertex with its rest position \[m\].
+pub fn place(surface: &mut Surface, to: impl Fn(Vec3) -> Vec3) {
+    for i in 0..surface.positions().len() {
+        let rest = to(surface.rest_position(VertexId::from_index(i)));
+        surface.rest_positions_mut()[i] = to_f32(rest);
+    }
+    pose(surface, to);
+}
+
+/// Moves every vertex; rest positions stay \[m\].
+pub fn pose(surface: &mut Surface, to: impl Fn(Vec3) -> Vec3) {
+    for i in 0..surface.positions().len() {
+        let [x, y, z] = to_f32(to(surface.position(VertexId::from_index(i))));
+        surface.positions_mut()[i] = [x, y, z, surface.positions()[i][3]];
+    }
 }
 
 #[cfg(test)]

@@ -38,3 +38,27 @@ pub fn with_pressure(pressure: f32) -> Volume {
         ..Volume::default()
     }
 }
+
+/// Returns a shell of 1 kg/m^2 with compliances of stretch [m/N] and of bending [rad/(N m)].
+#[must_use]
+pub fn elastic_shell(stretch: f32, bending: f32) -> Material {
+    Material {
+        stretch: Stiffness::Compliance(stretch),
+        bending: Some(Stiffness::Compliance(bending)),
+        ..Material::default()
+    }
+}
+
+/// Returns shells without compliance and with little: of stiffnesses, rigid, elastic.
+#[must_use]
+pub fn shells() -> [(&'static str, Material); 3] {
+    let paper = Material {
+        bending: Some(Stiffness::Pbd(1.0)),
+        ..Material::default()
+    };
+    [
+        ("stiffness 1", paper),
+        ("compliance 0", elastic_shell(0.0, 0.0)),
+        ("compliance 1e-5", elastic_shell(1e-5, 1e-2)),
+    ]
+}

@@ -19,4 +19,5 @@ mod layering;
 mod regressions;
 mod seeded_cuts;
 mod solver_deltas;
+mod stability;
 mod thread_count;

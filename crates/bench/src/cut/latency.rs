@@ -7,9 +7,9 @@
 use super::body::{CutBody, Outcomes};
 use super::row::{Latency, Stamp};
 use super::times::Times;
-use crate::directions::Directions;
 use incise_cut::{CutParams, Sweep};
 use incise_mesh::{TriangleId, Vec3, cube_sphere};
+use incise_models::scenes::Directions;
 use incise_refine::RefineParams;
 use std::error::Error;
 

@@ -3,9 +3,9 @@
 use super::body::{CutBody, Outcomes};
 use super::row::{Row, Stamp};
 use super::times::Times;
-use crate::directions::RelativePlane;
 use crate::workload::Workload;
 use incise_cut::CutParams;
+use incise_models::scenes::RelativePlane;
 use std::error::Error;
 
 /// Repetitions of the plane through the middle.

@@ -37,6 +37,7 @@ fn quick(name: &str) -> &'static str {
         "refine" => "--planes 3 --max-triangles 4000",
         "step" => "--backend cpu --max-triangles 4000 --frames 60",
         "accuracy" => "--only chain --most 8 --most-iterations 64",
+        "stability" => "--only T3,T8,T12,T20,bars,block,drape,knot,plate",
         _ => "--quick",
     }
 }

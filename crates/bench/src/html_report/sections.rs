@@ -272,8 +272,8 @@ fn invariants(html: &mut Html, sources: &Sources<'_>) {
         Rows::Stability(rows) => rows.iter().collect(),
         _ => Vec::new(),
     });
-    let text: Column<stability::row::Row> = ("stress, invariant, worst run", |row| row.text());
-    let columns: Vec<_> = stability::row::COLUMNS
+    let text: Column<stability::Row> = ("stress, invariant, worst run", |row| row.text());
+    let columns: Vec<_> = stability::COLUMNS
         .iter()
         .copied()
         .chain([text])

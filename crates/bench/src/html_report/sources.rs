@@ -25,7 +25,7 @@ pub(super) enum Rows {
     Cut(Vec<cut::row::Record>),
     Refine(Vec<refine::row::Row>),
     Step(Vec<step::row::Row>),
-    Stability(Vec<stability::row::Row>),
+    Stability(Vec<stability::Row>),
     Skip(Vec<skip::row::Row>),
 }
 

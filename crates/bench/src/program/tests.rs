@@ -95,7 +95,7 @@ fn runs_with_files_do_not_end_with_their_reader() {
         assert!(!writes(line), "{line}");
         assert!(writes(&format!("{line} --json x")), "{line}");
     }
-    assert!(writes("b stability --plot x") && writes("b report -o x"));
+    assert!(writes("b report -o x"));
 }
 
 #[test]

@@ -1,11 +1,11 @@
 //! Cross-sections of a model, triangulated repeatedly, timed and judged.
 
 use super::row::{Row, Stamp};
-use crate::directions::RelativePlane;
 use crate::statistics::{mean, median, percentile, sorted};
 use crate::workload::Workload;
 use incise_cut::{CutMethod, CutParams, Cutter, ExactParams};
 use incise_mesh::Surface;
+use incise_models::scenes::RelativePlane;
 use incise_refine::{
     RefineError, RefineParams, RefinementLevel, Section, SectionMesh, SectionMeshParams,
     SectionMeshScratch, SectionMeshSize, triangulate_section,

@@ -13,7 +13,6 @@
 use super::TableArguments;
 use super::row::Row;
 use crate::allocations;
-use crate::directions::Directions;
 use crate::frame_rates::FrameRates;
 use crate::models::Loaded;
 use crate::motion;
@@ -21,6 +20,7 @@ use crate::statistics::{mean, percentile, sorted};
 use incise_cut::Sweep;
 use incise_mesh::geometry::{area_vector, round_to_f32, to_f32};
 use incise_mesh::{AngleStats, Surface, Vec3};
+use incise_models::scenes::Directions;
 use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Volume};
 use incise_scene::{
     BackendRequest, BladeId, BladeMode, Body, BodyId, ContactParams, FrameStats, Scene, SceneError,

@@ -6,7 +6,6 @@
     reason = "positions as they are stored"
 )]
 
-mod energy;
 mod motions;
 #[cfg(feature = "gpu")]
 mod on_gpu;

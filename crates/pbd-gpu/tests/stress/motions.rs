@@ -1,14 +1,16 @@
 //! Pins that leap and turn, parameters that change, falls, impacts, and random bodies.
 
-use crate::energy::{EnergyBudget, Limits, MAX_STRAIN, max_distance, mechanical, total};
-use crate::runner::{
-    Body, Case, FRAME, GROUND, HANGING, Random, Runner, WEIGHTLESS, ball, elastic_shell,
-    largest_offset, place, pose, shells,
-};
+use crate::runner::{Body, Case, FRAME, Runner, ball, largest_offset};
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3, VertexId, cube_sphere, icosphere, torus};
-use incise_models::{double_cone, sheet};
+use incise_models::{double_cone, place, pose, sheet};
 use incise_pbd_gpu::{Density, Material, SolverParams, Stiffness};
+use incise_test_support::energy::{
+    EnergyBudget, Limits, MAX_STRAIN, max_distance, mechanical, total,
+};
+use incise_test_support::materials::{elastic_shell, shells};
+use incise_test_support::params::{GROUND, HANGING, WEIGHTLESS};
+use incise_test_support::random::Random;
 
 pub(crate) const CASES: [Case; 12] = [
     ("a_body_of_pins_does_not_move", all_pinned),
@@ -155,7 +157,7 @@ fn changing_gravity(runner: &mut Runner<'_>) {
 
 /// Time steps from 1/600 to 1/60 s.
 fn changing_steps(runner: &mut Runner<'_>) {
-    let mut random = Random(11);
+    let mut random = Random::new(11);
     for (stretch, params) in [
         (None, GROUND),
         (Some(1e-3), GROUND),
@@ -291,7 +293,7 @@ fn squeezed(runner: &mut Runner<'_>) {
 }
 
 fn random_shape(random: &mut Random) -> Surface {
-    let mut surface = match (5.0 * f64::midpoint(random.next(), 1.0)) as u32 {
+    let mut surface = match (5.0 * f64::midpoint(random.signed(), 1.0)) as u32 {
         0 => icosphere(0, 0.5),
         1 => icosphere(2, 0.5),
         2 => torus(0.35, 0.15, 12, 6),
@@ -299,14 +301,14 @@ fn random_shape(random: &mut Random) -> Surface {
         _ => double_cone(70),
     };
     let scale = f64::from(random.log(0.1, 10.0));
-    let axes = Vec3::from_fn(|_, _| 1.0 + 0.5 * random.next()) * scale;
+    let axes = Vec3::from_fn(|_, _| 1.0 + 0.5 * random.signed()) * scale;
     let up = Vec3::new(0.0, 1.5 * scale, 0.0);
     place(&mut surface, |p| p.component_mul(&axes) + up);
     surface
 }
 
 fn random_stiffness(random: &mut Random) -> Stiffness {
-    if random.next() > 0.0 {
+    if random.signed() > 0.0 {
         Stiffness::Pbd(random.log(0.1, 1.0))
     } else {
         Stiffness::Compliance(random.log(1e-9, 1e-1))
@@ -317,7 +319,7 @@ fn random_material(random: &mut Random) -> Material {
     Material {
         density: Density::Area(random.log(1e-2, 1e2)),
         stretch: random_stiffness(random),
-        bending: (random.next() > -0.5).then(|| random_stiffness(random)),
+        bending: (random.signed() > -0.5).then(|| random_stiffness(random)),
         damping: random.log(1e-3, 1.0),
         friction: random.log(1e-3, 1.0),
         ..Material::default()
@@ -337,20 +339,20 @@ fn spin_and_squeeze(body: &mut Body) {
 /// In no second there is more energy than in a second before.
 fn random_bodies(runner: &mut Runner<'_>) {
     for seed in 1000..1000 + runner.pick(4, 40) {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let surface = random_shape(&mut random);
         // Energy is known of constraints with a compliance only.
         let compliance = |random: &mut Random| Stiffness::Compliance(random.log(1e-9, 1e-1));
         let material = Material {
             stretch: compliance(&mut random),
-            bending: (random.next() > -0.5).then(|| compliance(&mut random)),
+            bending: (random.signed() > -0.5).then(|| compliance(&mut random)),
             damping: 0.0,
             ..random_material(&mut random)
         };
         let params = SolverParams {
-            iterations: if random.next() > 0.0 { 1 } else { 10 },
-            substeps: if random.next() > 0.0 { 1 } else { 5 },
-            ground: (random.next() > 0.0).then_some(0.0),
+            iterations: if random.signed() > 0.0 { 1 } else { 10 },
+            substeps: if random.signed() > 0.0 { 1 } else { 5 },
+            ground: (random.signed() > 0.0).then_some(0.0),
             ..GROUND
         };
         let dt = random.log(1e-3, 1.0 / 30.0);

@@ -1,10 +1,12 @@
 //! The stress tests on a GPU, and motions that are compared with those of the CPU.
 
-use crate::runner::{Body, FRAME, GROUND, HANGING, Runner, ball, elastic_shell, largest_offset};
+use crate::runner::{Body, FRAME, Runner, ball, largest_offset};
 use incise_mesh::{HalfEdge, Surface};
 use incise_pbd_gpu::{Context, GpuBackend, Material, PatchParams, Schedule, Solver};
 use incise_test_support::edits::split;
 use incise_test_support::gpu::{Needs, trial};
+use incise_test_support::materials::elastic_shell;
+use incise_test_support::params::{GROUND, HANGING};
 use libtest_mimic::Trial;
 
 /// Largest distance from the CPU's positions \[m\].

@@ -1,13 +1,14 @@
 //! Bodies that start crushed, folded or pushed through, and meshes of slivers, fans and open seams.
 
-use crate::energy::{Limits, MAX_STRAIN, hinge_angle, wrapped};
-use crate::runner::{
-    Body, Case, FRAME, GROUND, Random, Runner, WEIGHTLESS, ball, elastic_shell, place, pose, shells,
-};
+use crate::runner::{Body, Case, FRAME, Runner, ball};
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3, VertexId};
-use incise_models::{double_cone, sheet};
+use incise_models::{double_cone, place, pose, sheet};
 use incise_pbd_gpu::{Material, Solver, Stiffness};
+use incise_test_support::energy::{Limits, MAX_STRAIN, hinge_angle, wrapped};
+use incise_test_support::materials::{elastic_shell, shells};
+use incise_test_support::params::{GROUND, WEIGHTLESS};
+use incise_test_support::random::Random;
 use std::f64::consts::PI;
 
 pub(crate) const CASES: [Case; 8] = [
@@ -30,10 +31,10 @@ const THROWN: Limits = Limits::above(0.0).within(15.0);
 
 fn crushed(shape: &str, subdivisions: u32) -> Surface {
     let mut surface = ball(subdivisions, CENTER.y);
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     for i in 0..surface.positions().len() {
         let p = surface.position(VertexId::from_index(i));
-        let offset = Vec3::from_fn(|_, _| random.next()) * 0.5;
+        let offset = Vec3::from_fn(|_, _| random.signed()) * 0.5;
         let to = match shape {
             "point" => CENTER,
             "line" => Vec3::new(p.x, CENTER.y, 0.0),

@@ -1,8 +1,8 @@
 //! Seeded strokes: straight paths of a blade of two points in planes through a body.
 
-use crate::directions::Directions;
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3};
+use incise_models::scenes::Directions;
 
 /// Largest distance of the plane from the body's middle [half extents].
 const SPREAD: f64 = 0.6;
@@ -101,7 +101,7 @@ impl Strokes {
             }
             Planes::Crossing => {
                 let frame = seeded_frame(&mut self.directions);
-                (frame, self.directions.next())
+                (frame, self.directions.signed())
             }
         };
         let across = normal.cross(&along);

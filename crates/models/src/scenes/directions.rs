@@ -10,11 +10,11 @@ const SPREAD: f64 = 0.8;
 
 /// Seeded directions (splitmix64, Steele et al. 2014).
 #[derive(Debug, Clone)]
-pub(crate) struct Directions(pub(crate) u64);
+pub struct Directions(pub u64);
 
 impl Directions {
     /// Returns a number from -1 to 1.
-    pub(crate) fn next(&mut self) -> f64 {
+    pub fn signed(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -24,9 +24,9 @@ impl Directions {
     }
 
     /// Returns a direction, uniformly distributed.
-    pub(crate) fn next_unit(&mut self) -> Vec3 {
+    pub fn next_unit(&mut self) -> Vec3 {
         loop {
-            let v = Vec3::new(self.next(), self.next(), self.next());
+            let v = Vec3::new(self.signed(), self.signed(), self.signed());
             let length = v.norm();
             if length > 0.1 && length <= 1.0 {
                 return v / length;
@@ -37,25 +37,26 @@ impl Directions {
 
 /// A plane relative to a body.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct RelativePlane {
-    pub(crate) normal: Vec3,
+pub struct RelativePlane {
+    /// The unit normal.
+    pub normal: Vec3,
     /// -1 and 1 are the ends of the body along the normal.
     part: f64,
 }
 
 impl RelativePlane {
     /// Returns the plane through the middle of a body.
-    pub(crate) fn middle() -> Self {
+    pub fn middle() -> Self {
         let normal = Vec3::from(GENERIC).normalize();
         Self { normal, part: 0.0 }
     }
 
     /// Returns `count` seeded planes.
-    pub(crate) fn seeded(seed: u64, count: u32) -> Vec<Self> {
+    pub fn seeded(seed: u64, count: u32) -> Vec<Self> {
         let mut directions = Directions(seed);
         let next = |_| Self {
             normal: directions.next_unit(),
-            part: SPREAD * directions.next(),
+            part: SPREAD * directions.signed(),
         };
         (0..count).map(next).collect()
     }
@@ -64,7 +65,7 @@ impl RelativePlane {
     ///
     /// # Errors
     /// As [`Sweep::from_plane`].
-    pub(crate) fn sweep(&self, surface: &Surface) -> Result<(Sweep, f64), CutError> {
+    pub fn sweep(&self, surface: &Surface) -> Result<(Sweep, f64), CutError> {
         let vertices = surface.topology().vertices();
         let heights = vertices.map(|v| self.normal.dot(&surface.position(v)));
         let [low, high] = heights
