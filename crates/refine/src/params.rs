@@ -116,7 +116,7 @@ pub struct RefineParams {
     ///
     /// Only for the exact method with [`RefineMethod::Delaunay`]. 0: the target at the rim holds
     /// everywhere. Above 0, the number of triangles grows with the rim, not with the area. The
-    /// default is 0.3, see `docs/design-notes-cuts.md`.
+    /// default is 0.3, see `docs/log/2026-11.md`.
     pub grading: f64,
     /// Maximum rounds of subdivision and edge swaps: n of Algorithm 4.
     ///

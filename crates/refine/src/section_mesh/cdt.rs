@@ -11,7 +11,7 @@
 //!
 //! The crate `spade` was considered. It has no flip, no move of a vertex and no sizing field in its
 //! public interface, all of which [`super::refinement`] and [`super::duplicate_edges`] need; see
-//! `docs/design-notes-cuts.md`.
+//! `docs/log/2026-11.md`.
 
 pub(crate) mod insertion_order;
 mod location;
