@@ -1,6 +1,7 @@
 //! `incise-bench accuracy`: time per frame against error, scene by scene (work-precision fronts).
 
 mod after_cut;
+mod convergence;
 mod cuts;
 #[cfg(feature = "gpu")]
 mod device;
@@ -15,48 +16,46 @@ mod device {
         run(&Body, &SolverParams, u32) -> Result<Run, crate::no_gpu::NoGpu>;
     }
 }
-mod convergence;
 mod error;
-mod plot;
-mod ranks;
 mod run;
 mod scene;
 mod scenes;
 mod shapes;
-mod table;
 #[cfg(test)]
 mod tests;
 
-use crate::backend::Executor;
-use crate::json::Json;
-use crate::machine;
-use crate::options::RunArguments;
-use crate::output;
-use crate::work_precision::Row;
+use crate::options::{Backend, BackendArguments, OutputArguments};
+use crate::output::{Origin, Output};
 use clap::Args;
-use convergence::Convergence;
+use convergence::{Convergence, FLOOR_SUBSTEPS};
 use device::Device;
-use error::ErrorMeasure;
+use error::{ErrorMeasure, Errors};
 use incise_mesh::TriangleId;
 use incise_pbd_gpu::SolverParams;
 use incise_progress::Progress;
-use incise_reference::State;
-use plot::PlotFiles;
-use ranks::RanksFile;
+use incise_reference::{ReferenceError, State};
 use run::Run;
 use scene::{Body, DT, Scene, Scheme};
+use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
-use std::path::PathBuf;
 
 /// Measures time per frame against error.
+///
+/// Rows are runs with a scheme, a number of substeps and one of iterations; printed are those of
+/// the Pareto front of time and total position error. `solver` are errors to the converged implicit
+/// step of the same size, `total` to the limit of small steps: position (root mean square over
+/// vertices and frames, over the mean rest length), largest vertex error, relative force on the
+/// pins, root mean square strain, largest strain, volume, energy per second over the largest
+/// kinetic energy, sag. Total errors below ten times `uncertainty` are uncertain. `floor_position`
+/// is the error of converged second-order steps of the same size. `report.py` draws the fronts.
 #[derive(Args, Clone)]
 pub(crate) struct AccuracyArguments {
     /// Scenes to run, separated by commas.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = scenes::NAMES)]
     only: Vec<String>,
     #[command(flatten)]
-    pub(crate) run: RunArguments,
+    backends: BackendArguments,
     /// Largest number of substeps and of iterations; all powers of two up to it run.
     #[arg(
         long,
@@ -76,7 +75,7 @@ pub(crate) struct AccuracyArguments {
     /// Measure the error of cuts instead: round bodies against closed forms.
     #[arg(
         long,
-        conflicts_with_all = ["only", "backend", "adapter", "most", "most_iterations", "plot"]
+        conflicts_with_all = ["only", "backend", "adapter", "most", "most_iterations"]
     )]
     cuts: bool,
     /// Measure the first frames after a cut instead, against converged steps.
@@ -85,110 +84,118 @@ pub(crate) struct AccuracyArguments {
         conflicts_with_all = ["cuts", "only", "backend", "adapter", "most", "most_iterations"]
     )]
     after_cut: bool,
-    /// Also draw every scene as SVG and PNG, with its rows as CSV; a run of all scenes writes
-    /// `ranks.csv`, too.
-    #[arg(long, value_name = "DIR")]
-    plot: Option<PathBuf>,
+    #[command(flatten)]
+    output: OutputArguments,
 }
 
-impl AccuracyArguments {
-    /// Returns whether the run writes more files than its rows.
-    pub(crate) fn writes_more(&self) -> bool {
-        self.plot.is_some()
+/// The output of the bench.
+type AccuracyOutput<'a> = Output<'a, ()>;
+
+/// A run of a scene with one scheme, number of substeps and of iterations.
+#[derive(Debug, Serialize)]
+struct Row {
+    kind: &'static str,
+    scheme: &'static str,
+    substeps: u32,
+    iterations: u32,
+    #[serde(flatten)]
+    found: Found,
+    /// The error of the run, if it failed.
+    refusal: Option<String>,
+}
+
+/// Time and errors of a run.
+#[derive(Debug, Default, Serialize)]
+struct Found {
+    /// Median time of a frame until the backend is done.
+    ms_per_frame: Option<f64>,
+    /// Median time to encode a frame; none on the CPU.
+    ms_encode: Option<f64>,
+    /// Median GPU time by timestamps; none on the CPU and on devices without timestamps.
+    ms_device: Option<f64>,
+    projections_per_frame: u64,
+    /// Errors to the converged implicit step of the same size.
+    solver: Option<Errors>,
+    /// Errors to the limit of small steps.
+    total: Option<Errors>,
+    /// Estimated error of the limit; total errors below ten times of it are uncertain.
+    uncertainty: Option<f64>,
+    /// Position error to the limit of a converged second-order step of the same size: no solver of
+    /// such steps can have a smaller one but by chance.
+    floor_position: Option<f64>,
+}
+
+impl Found {
+    /// Returns time \[ms\] and total position error.
+    fn point(&self) -> Option<[f64; 2]> {
+        Some([self.ms_per_frame?, self.total?.position])
     }
 }
 
-/// The setup that all runs share.
-struct Setup<'a> {
-    arguments: &'a AccuracyArguments,
-    machine: String,
-    commit: String,
-    /// The GPU; none if no run uses it.
-    device: Option<Device>,
+/// The reference of a scene.
+#[derive(Debug, Serialize)]
+struct ReferenceRow {
+    kind: &'static str,
+    triangles: usize,
+    vertices: usize,
+    pins: usize,
+    frames: u32,
+    /// Time of all reference motions.
+    seconds: f64,
+    uncertainty: Option<f64>,
+    /// Error of converged second-order steps, by [`FLOOR_SUBSTEPS`].
+    floors: [Option<f64>; FLOOR_SUBSTEPS.len()],
+    /// Largest way of a vertex along gravity \[m\]; none without pins or gravity.
+    sag: Option<f64>,
+    /// The error of the reference, without which there are no total errors.
+    refusal: Option<ReferenceErrorText>,
+}
+
+/// An error as its text.
+#[derive(Debug)]
+struct ReferenceErrorText(ReferenceError);
+
+impl Serialize for ReferenceErrorText {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_str(&self.0)
+    }
 }
 
 /// Runs the scenes, prints and writes their rows.
 pub(crate) fn run(
     arguments: &AccuracyArguments,
-    out: &mut impl Write,
+    out: &mut dyn Write,
 ) -> Result<(), Box<dyn Error>> {
-    let mut json = Json::open(arguments.run.rows.json.as_deref())?;
-    let wanted =
-        |name: &&str| arguments.only.is_empty() || arguments.only.iter().any(|n| n == name);
-    let names = || scenes::NAMES.into_iter().filter(wanted);
-    let (machine, commit) = (machine::machine(), machine::commit());
-    if arguments.after_cut || arguments.cuts {
-        writeln!(out, "{machine}, commit {commit}")?;
-    }
+    let mut output = Output::open("accuracy", &arguments.output, (), out)?;
     if arguments.after_cut {
-        let rows = after_cut::run((&machine, &commit), arguments.plot.as_deref(), out)?;
-        return Ok(json.write(&rows)?);
+        return after_cut::run(&mut output);
     }
     if arguments.cuts {
-        let rows = cuts::run(&machine, &commit, out)?;
-        return Ok(json.write(&rows)?);
+        return cuts::run(&mut output);
     }
-    let mut plots = Vec::new();
-    let mut ranks_file = None;
-    if let Some(folder) = &arguments.plot {
-        output::folder(folder)?;
-        if arguments.only.is_empty() {
-            ranks_file = Some(RanksFile::open(folder)?);
-        }
-        // One picture per backend; with several, the backend ends the name.
-        let backends = arguments.run.backends();
-        for name in names() {
-            for backend in backends.iter().map(|executor| executor.name()) {
-                let file = match backends.len() {
-                    1 => name.to_owned(),
-                    _ => format!("{name}-{backend}"),
-                };
-                plots.push(PlotFiles::open(folder, &file, backend)?);
-            }
-        }
-    }
-    let mut plots = plots.into_iter();
-    let device = match arguments.run.backends().contains(&Executor::Gpu) {
-        true => Some(Device::open(arguments.run.gpu.adapter.as_deref())?),
+    let backends = arguments.backends.devices()?;
+    let mut device = match backends.contains(&Backend::Gpu) {
+        true => Some(Device::open(arguments.backends.adapter.as_deref())?),
         false => None,
     };
-    let mut setup = Setup {
-        arguments,
-        machine,
-        commit,
-        device,
-    };
-    writeln!(out, "{}, commit {}", setup.machine, setup.commit)?;
-    writeln!(out, "Errors are of positions, over the mean rest length.")?;
-    if let Some(device) = &setup.device {
-        writeln!(out, "gpu: {}", device.name())?;
-    }
-    let mut rows: Vec<Row> = Vec::new();
-    let (mut written, mut drawn) = (Ok(()), Ok(()));
-    let ways = Scheme::ALL.len() * powers(arguments.most).len() * arguments.run.backends().len();
-    let progress = arguments.run.rows.progress(names().count(), ways as u64);
-    for name in names() {
+    let is_wanted =
+        |name: &&str| arguments.only.is_empty() || arguments.only.iter().any(|n| n == name);
+    let names: Vec<&str> = scenes::NAMES.into_iter().filter(is_wanted).collect();
+    let ways = Scheme::ALL.len() * powers(arguments.most).len() * backends.len();
+    let progress = output.progress(names.len(), ways as u64);
+    for name in names {
         progress.begin(name);
-        let scene = scenes::scene(name)?;
-        let first = rows.len();
-        setup.measure(&scene, &mut rows, &progress, out)?;
-        progress.suspend(|| {
-            table::scene(out, &rows[first..])?;
-            out.flush()
-        })?;
-        // A failed write does not end a run of hours; the next write has these rows too.
-        written = json.write(&rows);
-        for mut plot in plots.by_ref().take(arguments.run.backends().len()) {
-            drawn = drawn.and(plot.draw(name, &rows[first..]));
+        let runs = SceneRuns::new(arguments, name, &mut output)?;
+        progress.suspend(|| output.table())?;
+        for &backend in &backends {
+            let device = device.as_mut().filter(|_| backend == Backend::Gpu);
+            let points = runs.measure(device, &progress, &mut output)?;
+            let front = pareto_front(&points);
+            progress.suspend(|| output.table_of(|i| front.contains(&i)))?;
         }
     }
     progress.end();
-    table::summary(out, &rows)?;
-    let ranks = ranks::ranks(&rows);
-    ranks::print(out, &ranks)?;
-    drawn?;
-    ranks_file.map_or(Ok(()), |mut file| file.write(&ranks))?;
-    Ok(written?)
+    Ok(())
 }
 
 /// Returns the powers of two up to `most`.
@@ -196,107 +203,161 @@ fn powers(most: u32) -> Vec<u32> {
     (0..).map(|k| 1 << k).take_while(|&n| n <= most).collect()
 }
 
-impl Setup<'_> {
-    /// Makes all runs of a scene.
-    fn measure(
-        &mut self,
-        scene: &Scene,
-        rows: &mut Vec<Row>,
-        progress: &Progress,
-        out: &mut impl Write,
-    ) -> Result<(), Box<dyn Error>> {
+/// Returns the points that no other is both faster and more accurate than, by time.
+fn pareto_front(points: &[Option<[f64; 2]>]) -> Vec<usize> {
+    let is_finite = |p: &[f64; 2]| p.iter().all(|x| x.is_finite());
+    let known = (0..)
+        .zip(points)
+        .filter_map(|(i, p)| Some((i, p.filter(is_finite)?)));
+    let mut known: Vec<(usize, [f64; 2])> = known.collect();
+    known.sort_by(|(_, a), (_, b)| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    let mut best = f64::INFINITY;
+    known.retain(|(_, p)| {
+        let is_better = p[1] < best;
+        best = best.min(p[1]);
+        is_better
+    });
+    known.into_iter().map(|(i, _)| i).collect()
+}
+
+/// A scene with its reference, for runs on every backend.
+struct SceneRuns<'a> {
+    arguments: &'a AccuracyArguments,
+    scene: Scene,
+    start: State,
+    triangles: Vec<[usize; 3]>,
+    convergence: Convergence,
+    exact: Result<convergence::Exact, ReferenceError>,
+}
+
+impl<'a> SceneRuns<'a> {
+    /// Computes the reference of a scene and writes its row.
+    fn new(
+        arguments: &'a AccuracyArguments,
+        name: &'static str,
+        output: &mut AccuracyOutput<'_>,
+    ) -> Result<Self, Box<dyn Error>> {
+        let scene = scenes::scene(name)?;
         let body = scene.body()?;
-        let numbers = powers(self.arguments.most);
-        let convergence = Convergence::compute(scene, &body, &numbers)?;
-        let exact = convergence.exact();
-        progress.suspend(|| {
-            table::reference(out, scene, &body, &convergence, exact.as_ref())?;
-            out.flush()
-        })?;
-        let start = State::of(&body.solver, &body.surface);
-        let triangles = closed_triangles(&body);
-        let measure = ErrorMeasure {
-            model: &convergence.model,
-            triangles: &triangles,
-            start: &start,
-            is_held: !scene.pins.is_empty(),
+        let convergence = Convergence::compute(&scene, &body, &powers(arguments.most))?;
+        let runs = Self {
+            arguments,
+            start: State::of(&body.solver, &body.surface),
+            triangles: closed_triangles(&body),
+            exact: convergence.exact(),
+            convergence,
+            scene,
         };
-        for executor in [Executor::Cpu, Executor::Gpu] {
-            if !self.arguments.run.backends().contains(&executor) {
+        let (topology, exact) = (body.surface.topology(), runs.exact.as_ref().ok());
+        let floor = |n| runs.convergence.floor(exact?, n);
+        let row = ReferenceRow {
+            kind: "reference",
+            triangles: topology.triangle_count(),
+            vertices: topology.vertex_count(),
+            pins: body.solver.pins().len(),
+            frames: runs.scene.frames,
+            seconds: runs.convergence.seconds,
+            uncertainty: exact.map(|exact| exact.uncertainty),
+            floors: FLOOR_SUBSTEPS.map(floor),
+            sag: exact.and_then(|exact| runs.error_measure().sag(&exact.states)),
+            refusal: runs.exact.as_ref().err().copied().map(ReferenceErrorText),
+        };
+        output.cpu_row(name, &row)?;
+        Ok(runs)
+    }
+
+    fn error_measure(&self) -> ErrorMeasure<'_> {
+        ErrorMeasure {
+            model: &self.convergence.model,
+            triangles: &self.triangles,
+            start: &self.start,
+            is_held: !self.scene.pins.is_empty(),
+        }
+    }
+
+    /// Makes all runs on a GPU, or on the CPU; returns their times and total errors.
+    fn measure(
+        &self,
+        mut device: Option<&mut Device>,
+        progress: &Progress,
+        output: &mut AccuracyOutput<'_>,
+    ) -> Result<Vec<Option<[f64; 2]>>, Box<dyn Error>> {
+        let scene = &self.scene;
+        let numbers = powers(self.arguments.most);
+        let both = Scheme::ALL
+            .iter()
+            .flat_map(|s| numbers.iter().map(move |n| (*s, *n)));
+        let name = match &device {
+            Some(device) => device.name().to_owned(),
+            None => output.machine.clone(),
+        };
+        let origin = Origin {
+            backend: if device.is_some() { "gpu" } else { "cpu" },
+            device: &name,
+        };
+        let mut points = Vec::new();
+        for (scheme, substeps) in both {
+            progress.step();
+            if device.is_some() && scheme.is_cpu_only() {
                 continue;
             }
-            for (scheme, &substeps) in Scheme::ALL
-                .into_iter()
-                .flat_map(|s| numbers.iter().map(move |n| (s, n)))
-            {
-                progress.step();
-                if executor == Executor::Gpu && scheme.is_cpu_only() {
-                    continue;
-                }
-                let body = scene.body_by(scheme, f64::from(DT) / f64::from(substeps))?;
-                let most = self.arguments.most_iterations.min(scheme.most_iterations());
-                let ways: Vec<SolverParams> = (numbers.iter())
-                    .take_while(|&&iterations| substeps * iterations <= most)
-                    .map(|&iterations| scene.params_by(scheme, substeps, iterations))
-                    .collect();
-                for params in ways {
-                    let mut row = self.row(scene, executor, scheme);
-                    (row.substeps, row.iterations) = (params.substeps, params.iterations);
-                    match self.step((executor, scheme), &body, &params, scene.frames) {
-                        Ok(run) => {
-                            row.ms_per_frame = run.seconds * 1e3;
-                            row.ms_encode = run.encode.map(|seconds| seconds * 1e3);
-                            row.ms_device = run.device.map(|seconds| seconds * 1e3);
-                            row.projections_per_frame = run.projections;
-                            let states = &run.states;
-                            if let Some(reference) = convergence.known(scheme, substeps) {
-                                measure.errors(states, reference).store_solver(&mut row);
-                            }
-                            if let Ok(exact) = &exact {
-                                measure.errors(states, &exact.states).store_total(&mut row);
-                                row.uncertainty = Some(exact.uncertainty);
-                                row.floor_position = convergence.floor(exact, substeps);
-                            }
-                        }
-                        Err(error) => row.refusal = Some(error.to_string()),
-                    }
-                    rows.push(row);
-                }
+            let body = scene.body_by(scheme, f64::from(DT) / f64::from(substeps))?;
+            let most = (self.arguments.most_iterations).min(scheme.most_iterations());
+            let ways = numbers
+                .iter()
+                .take_while(|&&iterations| substeps * iterations <= most);
+            for &iterations in ways {
+                let params = scene.params_by(scheme, substeps, iterations);
+                let run = step(device.as_deref_mut(), scheme, &body, &params, scene.frames);
+                let (found, refusal) = match run {
+                    Ok(run) => (self.found(&run, scheme, substeps), None),
+                    Err(error) => (Found::default(), Some(error.to_string())),
+                };
+                points.push(found.point());
+                let row = Row {
+                    kind: "run",
+                    scheme: scheme.name(),
+                    substeps,
+                    iterations,
+                    found,
+                    refusal,
+                };
+                output.row(scene.name, origin, &row)?;
             }
         }
-        Ok(())
+        Ok(points)
     }
 
-    fn step(
-        &mut self,
-        (executor, scheme): (Executor, Scheme),
-        body: &Body,
-        params: &SolverParams,
-        frames: u32,
-    ) -> Result<Run, Box<dyn Error>> {
-        match (executor, &mut self.device) {
-            _ if scheme == Scheme::Patches => Ok(run::by_patches(body, params, frames)?),
-            (Executor::Gpu, Some(device)) => Ok(device.run(body, params, frames)?),
-            _ => Ok(run::on_cpu(body, params, frames)?),
+    /// Compares a run with the reference.
+    fn found(&self, run: &Run, scheme: Scheme, substeps: u32) -> Found {
+        let ms = |seconds: f64| seconds * 1e3;
+        let measure = self.error_measure();
+        let solver = self.convergence.known(scheme, substeps);
+        let exact = self.exact.as_ref().ok();
+        Found {
+            ms_per_frame: Some(ms(run.seconds)),
+            ms_encode: run.encode.map(ms),
+            ms_device: run.device.map(ms),
+            projections_per_frame: run.projections,
+            solver: solver.map(|reference| measure.errors(&run.states, reference)),
+            total: exact.map(|exact| measure.errors(&run.states, &exact.states)),
+            uncertainty: exact.map(|exact| exact.uncertainty),
+            floor_position: exact.and_then(|exact| self.convergence.floor(exact, substeps)),
         }
     }
+}
 
-    /// Returns a row without measurements.
-    fn row(&self, scene: &Scene, executor: Executor, scheme: Scheme) -> Row {
-        let (backend, device) = match (executor, &self.device) {
-            (Executor::Gpu, Some(device)) => ("gpu", device.name()),
-            _ => ("cpu", self.machine.as_str()),
-        };
-        Row {
-            scene: scene.name.to_owned(),
-            backend: backend.to_owned(),
-            device: device.to_owned(),
-            scheme: scheme.name().to_owned(),
-            machine: self.machine.clone(),
-            commit: self.commit.clone(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            ..Row::default()
-        }
+fn step(
+    device: Option<&mut Device>,
+    scheme: Scheme,
+    body: &Body,
+    params: &SolverParams,
+    frames: u32,
+) -> Result<Run, Box<dyn Error>> {
+    match device {
+        _ if scheme == Scheme::Patches => Ok(run::by_patches(body, params, frames)?),
+        Some(device) => Ok(device.run(body, params, frames)?),
+        None => Ok(run::on_cpu(body, params, frames)?),
     }
 }
 

@@ -4,31 +4,36 @@
 mod body;
 mod latency;
 mod planes;
-pub(crate) mod progressive;
-pub(crate) mod row;
-pub(crate) mod times;
+mod progressive;
+mod times;
 
-use crate::json::Json;
 use crate::method::MethodArguments;
 use crate::options::{ModelArguments, OutputArguments};
-use crate::text_table::{paragraphs, text_table};
-use crate::{machine, workload};
+use crate::output::Output;
+use crate::workload::workloads;
 use clap::Args;
-use row::{Record, Slope, Stamp};
+use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 
 /// Measures cuts of models, finer armadillos and spheres.
+///
+/// Times are those of stages, medians over cuts and 99th percentiles. detect: search and
+/// intersection; split: mesh edit along the sweep; separate: pieces, unless beside the cap; commit:
+/// delta and undo; `bvh_update`: unless beside the solver; constraints: update of constraints and
+/// masses. `middle` is the plane through the middle, 15 times; `seeded` are seeded planes. Every
+/// cut is undone before the next. Rows of kind `latency` have cuts of about equal size after many
+/// others.
+///
+/// With --progressive a step is one mean edge length. refit: the BVH of a body in motion; growth:
+/// mean step of the last tenth relative to the first; `us_standing`: a call with the blade inside
+/// and unmoved. drag: one end of the blade in the body; press: both ends outside.
 #[derive(Args, Clone)]
 pub(crate) struct CutArguments {
     #[command(flatten)]
-    from: ModelArguments,
-    /// Models to cut, separated by commas: those of the table, finer armadillos such as
-    /// Armadillo120000, and spheres such as Sphere3072; with --progressive also Sphere30000,
-    /// Torus30000 and Icosphere1280.
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    only: Vec<String>,
-    /// Move a blade on through bodies of 30,000 triangles, one mean edge length a step.
+    models: ModelArguments,
+    /// Move a blade on through bodies of 30,000 triangles, one mean edge length a step: Armadillo,
+    /// Sphere30000 and Torus30000, or those that --only names.
     #[arg(long, conflicts_with_all = ["method", "planes", "max_triangles", "cuts"])]
     progressive: bool,
     /// Total number of steps over ten bodies, which are validated now and then and replaced when
@@ -36,7 +41,7 @@ pub(crate) struct CutArguments {
     #[arg(long, value_name = "N", requires = "progressive")]
     steps: Option<usize>,
     #[command(flatten)]
-    caps: MethodArguments,
+    parameters: Parameters,
     /// Number of seeded planes per model, besides the one through the middle.
     #[arg(long, value_name = "N", default_value_t = 100)]
     planes: u32,
@@ -47,71 +52,71 @@ pub(crate) struct CutArguments {
     /// Sphere49152, so that --only has to name it, or nothing.
     #[arg(long, value_name = "N", default_value_t = 1000)]
     cuts: u32,
+    #[command(flatten)]
+    output: OutputArguments,
+}
+
+/// The parameters of all rows.
+#[derive(Args, Clone, Debug, Serialize)]
+struct Parameters {
+    #[command(flatten)]
+    #[serde(flatten)]
+    caps: MethodArguments,
     /// Seed of the planes.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    #[command(flatten)]
-    pub(crate) rows: OutputArguments,
 }
 
-/// Measures all workloads, prints and writes the records.
-pub(crate) fn run(arguments: &CutArguments, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
-    let params = arguments.caps.params();
-    let stamp = Stamp {
-        method: arguments.caps.method.name().to_owned(),
-        level: arguments.caps.level.z(),
-        grading: arguments.caps.grading,
-        seed: arguments.seed,
-        machine: machine::machine(),
-        commit: machine::commit(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-    };
-    writeln!(
-        out,
-        "{}, commit {}; method {}, level {}, grading {}, seed {}",
-        stamp.machine, stamp.commit, stamp.method, arguments.caps.level, stamp.grading, stamp.seed
-    )?;
-    let mut json = Json::open(arguments.rows.json.as_deref())?;
-    if arguments.progressive {
-        return progressive::run(arguments, &params, &stamp, &mut json, out);
+/// The output of the bench.
+type CutOutput<'a> = Output<'a, Parameters>;
+
+/// Successful and failed cuts.
+#[derive(Debug, Default)]
+struct Counts {
+    done: usize,
+    failed: usize,
+}
+
+impl Counts {
+    fn add(&mut self, done: usize, failures: &[String]) {
+        self.done += done;
+        self.failed += failures.len();
     }
-    let folder = arguments.from.models.as_deref();
-    let workloads = workload::workloads(folder, &arguments.only, arguments.max_triangles)?;
-    let mut records = Vec::new();
-    let progress = arguments.rows.progress(workloads.len(), 1);
+}
+
+/// Measures all workloads, prints and writes the rows.
+pub(crate) fn run(arguments: &CutArguments, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
+    let parameters = arguments.parameters.clone();
+    let params = parameters.caps.params();
+    let seed = parameters.seed;
+    let mut output = Output::open("cut", &arguments.output, parameters, out)?;
+    if arguments.progressive {
+        return progressive::run(arguments, &params, output);
+    }
+    let workloads = workloads(&arguments.models, arguments.max_triangles)?;
+    let mut counts = Counts::default();
+    let progress = output.progress(workloads.len(), 1);
     for workload in &workloads {
         progress.begin(&workload.name);
-        for row in planes::measure(workload, &params, arguments.planes, &stamp)? {
-            records.push(Record::Cut(Box::new(row)));
+        for row in planes::measure(workload, &params, arguments.planes, seed)? {
+            counts.add(row.cuts, &row.failures);
+            output.cpu_row(&workload.name, &row)?;
         }
         progress.step();
-        // An interrupted run keeps its rows; the last write reports a failure.
-        let _ = json.write(&records);
     }
     progress.end();
-    let rows: Vec<_> = records.iter().filter_map(Record::row).collect();
-    write!(out, "{}", text_table(row::COLUMNS, &rows))?;
-    write!(out, "{}", paragraphs(row::LEGEND))?;
-    let slopes = Slope::of_families(&records, &stamp);
-    records.extend(slopes.into_iter().map(Record::Slope));
+    output.table()?;
     let is_latency = |name: &String| name.trim().eq_ignore_ascii_case(latency::MODEL);
-    let is_wanted = arguments.only.is_empty() || arguments.only.iter().any(is_latency);
-    if arguments.cuts > 0 && is_wanted {
-        let rows = latency::measure(&params, arguments.cuts, &stamp)?;
-        records.extend(rows.into_iter().map(|row| Record::Latency(Box::new(row))));
-    }
-    let (mut done, mut failed) = (0, 0);
-    for record in &records {
-        if let Some(sentence) = record.sentence() {
-            write!(out, "{}", paragraphs(&sentence))?;
+    let only = &arguments.models.only;
+    if arguments.cuts > 0 && (only.is_empty() || only.iter().any(is_latency)) {
+        // Uniform caps.
+        output.parameters.caps.grading = 0.0;
+        for row in latency::measure(&params, arguments.cuts, seed)? {
+            counts.add(row.probes, &row.failures);
+            output.cpu_row(latency::MODEL, &row)?;
         }
-        let (model, cuts, failures) = record.failures();
-        for failure in failures {
-            writeln!(out, "Failed cut of {model}: {failure}.")?;
-        }
-        done += cuts;
-        failed += failures.len();
+        output.table()?;
     }
-    writeln!(out, "Failed: {failed} of {} cuts.", done + failed)?;
-    Ok(json.write(&records)?)
+    let Counts { done, failed } = counts;
+    Ok(output.print(format_args!("Failed: {failed} of {} cuts.", done + failed))?)
 }

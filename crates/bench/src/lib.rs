@@ -1,29 +1,22 @@
-//! The benchmarks of incise: the paper's table, time, error, stability, and a report of all.
+//! The benchmarks of incise: the paper's table, time, error and stability.
 //!
-//! [`program`] is the command line of `incise-bench`. The feature `reference`, on by default, builds
-//! the benches of errors; the linear algebra of their reference takes minutes to compile.
+//! [`program`] is the command line of `incise-bench`. Every bench prints its rows as tables and
+//! appends them to a file of JSON lines; `report.py` makes a page of such files. The feature
+//! `reference`, on by default, builds the benches of errors; the linear algebra of their reference
+//! takes minutes to compile.
 
 #[cfg(feature = "reference")]
 mod accuracy;
-mod allocations;
-mod backend;
-mod chart;
-mod clock;
 mod cut;
-mod frame_rates;
-mod html_report;
-mod json;
 mod machine;
+mod measure;
 mod method;
 mod models;
 mod motion;
 #[cfg(not(feature = "gpu"))]
 mod no_gpu;
-mod numbers;
 mod options;
 mod output;
-mod picture;
-mod printout;
 mod program;
 mod refine;
 mod skip;
@@ -33,7 +26,6 @@ mod statistics;
 mod step;
 mod table;
 mod text_table;
-mod work_precision;
 mod workload;
 
 pub use program::program;

@@ -3,9 +3,11 @@
 use clap::{Args, ValueEnum};
 use incise_cut::{CutMethod, CutParams, PaperParams};
 use incise_refine::{RefineParams, RefinementLevel};
+use serde::{Serialize, Serializer};
 
 /// A cut method.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub(crate) enum MethodChoice {
     /// Splits hit triangles, keeps the volume, closes any cross-section.
     Exact,
@@ -13,24 +15,15 @@ pub(crate) enum MethodChoice {
     Paper,
 }
 
-impl MethodChoice {
-    /// Returns the name in tables.
-    pub(crate) const fn name(self) -> &'static str {
-        match self {
-            Self::Exact => "exact",
-            Self::Paper => "paper",
-        }
-    }
-}
-
 /// The cut method and the refinement of its caps.
-#[derive(Args, Debug, Clone)]
+#[derive(Args, Debug, Clone, Serialize)]
 pub(crate) struct MethodArguments {
     /// Cut method.
     #[arg(long, value_enum, default_value_t = MethodChoice::Exact)]
     pub(crate) method: MethodChoice,
     /// Refinement level of the caps: one of the five names, or z.
     #[arg(long, default_value = "1")]
+    #[serde(serialize_with = "z")]
     pub(crate) level: RefinementLevel,
     /// Growth of the caps' edge length per meter of distance from the boundary.
     #[arg(long, default_value_t = RefineParams::default().grading)]
@@ -53,4 +46,9 @@ impl MethodArguments {
             ..CutParams::default()
         }
     }
+}
+
+/// Serializes a refinement level as its number.
+fn z<S: Serializer>(level: &RefinementLevel, to: S) -> Result<S::Ok, S::Error> {
+    to.serialize_f64(level.z())
 }

@@ -1,5 +1,6 @@
 //! The seven models: built in, or from files.
 
+use crate::options::ModelArguments;
 use incise_mesh::{MeshData, Surface, read_mesh};
 use incise_models::{Model, build_model};
 use std::error::Error;
@@ -20,63 +21,58 @@ pub(crate) struct Loaded {
     pub(crate) surface: Surface,
 }
 
-/// Returns the model of a name, in any case.
-pub(crate) fn named(name: &str) -> Option<Model> {
-    Model::ALL
-        .into_iter()
-        .find(|m| m.name().eq_ignore_ascii_case(name.trim()))
-}
-
-/// Loads the models that `only` names, or all; from `folder` where it has a file.
-pub(crate) fn load(folder: Option<&Path>, only: &[String]) -> Result<Vec<Loaded>, Box<dyn Error>> {
-    let mut wanted = Vec::new();
-    for name in only {
-        let names: Vec<&str> = Model::ALL.iter().map(|m| m.name()).collect();
-        wanted
-            .push(named(name).ok_or_else(|| {
-                format!("'{name}' is not one of the models {}", names.join(", "))
-            })?);
+/// Keeps the items that `only` names in any case, or all without names.
+///
+/// # Errors
+/// A message for an unknown name.
+pub(crate) fn named<T>(
+    mut all: Vec<T>,
+    name: impl Fn(&T) -> String,
+    only: &[String],
+) -> Result<Vec<T>, String> {
+    let is = |item: &T, wanted: &String| name(item).eq_ignore_ascii_case(wanted.trim());
+    if let Some(unknown) = (only.iter()).find(|wanted| !all.iter().any(|item| is(item, wanted))) {
+        let names: Vec<String> = all.iter().map(&name).collect();
+        return Err(format!("'{unknown}' is none of {}", names.join(", ")));
     }
-    Model::ALL
-        .into_iter()
-        .filter(|m| wanted.is_empty() || wanted.contains(m))
-        .map(|model| match folder {
-            Some(folder) => from_folder(folder, model),
-            None => Ok(built_in(model)),
-        })
-        .collect()
+    all.retain(|item| only.is_empty() || only.iter().any(|wanted| is(item, wanted)));
+    Ok(all)
 }
 
-/// Prints the models, given by name and source, that a folder has no file for.
-pub(crate) fn warn_built_in<'a>(
-    folder: Option<&Path>,
-    used: impl Iterator<Item = (&'a str, &'a str)>,
-) {
-    if let Some(told) = folder.and_then(|folder| built_in_of(folder, used)) {
-        // Without an error output the column of sources tells.
-        let _ = writeln!(io::stderr(), "incise-bench: {told}");
+/// Loads the named models, or all; from the folder where it has a file.
+///
+/// # Errors
+/// A message for an unknown name or an unreadable file.
+pub(crate) fn load(arguments: &ModelArguments) -> Result<Vec<Loaded>, Box<dyn Error>> {
+    let models = named(
+        Model::ALL.to_vec(),
+        |m| m.name().to_owned(),
+        &arguments.only,
+    )?;
+    let folder = arguments.models.as_deref();
+    let loaded = models.into_iter().map(|model| load_model(folder, model));
+    loaded.collect()
+}
+
+/// Loads a model; from the folder if it has a file.
+///
+/// # Errors
+/// A message for an unreadable file.
+pub(crate) fn load_model(folder: Option<&Path>, model: Model) -> Result<Loaded, Box<dyn Error>> {
+    let Some(folder) = folder else {
+        return Ok(built_in(model));
+    };
+    let loaded = from_folder(folder, model)?;
+    if loaded.source == BUILT_IN {
+        // Without an error output the field `source` tells.
+        let (folder, name) = (folder.display(), model.name());
+        let _ = writeln!(
+            io::stderr(),
+            "incise-bench: {folder}: no file for {name}: the built-in model is taken; a file's \
+             name has to begin with the model's and to end with obj, ply, stl, glb or gltf"
+        );
     }
-}
-
-fn built_in_of<'a>(
-    folder: &Path,
-    used: impl Iterator<Item = (&'a str, &'a str)>,
-) -> Option<String> {
-    let (built_in, files): (Vec<_>, Vec<_>) = used.partition(|&(_, source)| source == BUILT_IN);
-    let names: Vec<&str> = built_in.iter().map(|&(name, _)| name).collect();
-    (!names.is_empty()).then(|| {
-        format!(
-            "{}: {} for {}: built-in models are taken; a file's name has to begin with the \
-             model's and to end with obj, ply, stl, glb or gltf",
-            folder.display(),
-            if files.is_empty() {
-                "no usable file at all"
-            } else {
-                "no file"
-            },
-            names.join(", ")
-        )
-    })
+    Ok(loaded)
 }
 
 fn built_in(model: Model) -> Loaded {
@@ -121,19 +117,19 @@ fn from_data(model: Model, path: &Path, data: MeshData) -> Result<Loaded, Box<dy
         .into_surface()
         .map_err(|error| format!("{}: {error}", path.display()))?;
     surface.sort_by_position();
+    let file = path.file_name().unwrap_or_default();
     Ok(Loaded {
         model,
-        source: path
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned(),
+        source: file.to_string_lossy().into_owned(),
         vertices,
         surface,
     })
 }
 
 /// Returns the mesh files of a folder by name.
+///
+/// # Errors
+/// A message for an unreadable folder.
 pub(crate) fn files(folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     let entries =
         std::fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
@@ -175,23 +171,10 @@ mod tests {
         write("sphere_20.obj", Model::Sphere20);
         write("sphere_20_fine.obj", Model::Sphere80);
         write("other.obj", Model::Sphere80);
-        let names = ["sphere20".to_owned(), "Sphere80".to_owned()];
-        let loaded = load(Some(folder.path()), &names).unwrap();
-        assert_eq!(loaded[0].source, "sphere_20.obj");
-        assert_eq!(loaded[0].surface.topology().triangle_count(), 20);
-        assert_eq!(loaded[1].source, "built-in", "no file is named sphere80");
-        assert!(load(None, &["cow".to_owned()]).is_err());
-        let used = |loaded: &[Loaded]| {
-            let used = loaded.iter().map(|l| (l.model.name(), l.source.as_str()));
-            built_in_of(folder.path(), used)
-        };
-        let told = used(&loaded).unwrap();
-        assert!(told.contains(": no file for Sphere80: built-in"), "{told}");
-        assert_eq!(used(&loaded[..1]), None, "nothing to tell");
-        let told = used(&loaded[1..]).unwrap();
-        assert!(
-            told.contains("no usable file at all for Sphere80"),
-            "{told}"
-        );
+        let [few, many] =
+            [Model::Sphere20, Model::Sphere80].map(|m| load_model(Some(folder.path()), m).unwrap());
+        assert_eq!(few.source, "sphere_20.obj");
+        assert_eq!(few.surface.topology().triangle_count(), 20);
+        assert_eq!(many.source, BUILT_IN, "no file is named sphere80");
     }
 }

@@ -1,14 +1,13 @@
 //! Options that several benches share.
 
-use crate::backend::Executor;
-use clap::Args;
-use incise_progress::{Progress, Visibility};
+use clap::{Args, ValueEnum};
+use incise_scene::BackendChoice;
 use std::path::PathBuf;
 
 /// Output of rows and progress.
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct OutputArguments {
-    /// Also write the rows as one JSON array, an object per row; long runs write it repeatedly.
+    /// Append the rows to a file, a JSON object per line, as they arrive.
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
     /// Print nothing but warnings and errors: neither rows nor progress.
@@ -16,16 +15,96 @@ pub(crate) struct OutputArguments {
     pub(crate) quiet: bool,
 }
 
-impl OutputArguments {
-    /// Returns the progress of a run of `parts`, each of `steps`.
-    pub(crate) fn progress(&self, parts: usize, steps: u64) -> Progress {
-        let shown = if self.quiet {
-            Visibility::Never
-        } else {
-            Visibility::Everywhere
-        };
-        Progress::new(parts as u64, steps, shown)
+/// Choice of models.
+#[derive(Args, Clone, Debug, Default)]
+pub(crate) struct ModelArguments {
+    /// Folder of models (bunny*.obj, armadillo*.ply, ...) that replace the built-in ones.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) models: Option<PathBuf>,
+    /// Models to run, separated by commas: those of the table; for cut, refine, step and solver
+    /// also finer armadillos such as Armadillo120000 and spheres such as Sphere3072.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub(crate) only: Vec<String>,
+}
+
+/// A backend of the solver.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Backend {
+    /// The CPU.
+    Cpu,
+    /// A GPU; a software adapter if there is no other.
+    Gpu,
+    /// A hardware GPU for bodies that are faster on it, the CPU for all others.
+    Auto,
+}
+
+impl Backend {
+    /// Returns the name on the command line and in rows.
+    pub(crate) fn name(self) -> &'static str {
+        BackendChoice::from(self).name()
     }
+}
+
+impl From<Backend> for BackendChoice {
+    fn from(backend: Backend) -> Self {
+        match backend {
+            Backend::Cpu => Self::Cpu,
+            Backend::Gpu => Self::Gpu,
+            Backend::Auto => Self::Auto,
+        }
+    }
+}
+
+/// Backends that everything runs on.
+#[derive(Args, Clone, Debug, Default)]
+pub(crate) struct BackendArguments {
+    /// Backends of the solver, separated by commas; everything runs on each. The default is the
+    /// CPU; for step a GPU too, if there is one.
+    #[arg(long, value_enum, value_name = "NAMES", value_delimiter = ',')]
+    backend: Vec<Backend>,
+    /// Part of the name of the GPU.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) adapter: Option<String>,
+}
+
+impl BackendArguments {
+    /// Returns the backends in the given order, each once; empty if none is named.
+    pub(crate) fn named(&self) -> Vec<Backend> {
+        let mut each = Vec::new();
+        for &backend in &self.backend {
+            if !each.contains(&backend) {
+                each.push(backend);
+            }
+        }
+        each
+    }
+
+    /// Returns the CPU, the GPU or both in the given order; the CPU if none is named.
+    ///
+    /// # Errors
+    /// A message for [`Backend::Auto`].
+    pub(crate) fn devices(&self) -> Result<Vec<Backend>, &'static str> {
+        let named = self.named();
+        if named.contains(&Backend::Auto) {
+            return Err("this bench compares backends: name cpu or gpu instead of auto");
+        }
+        Ok(match named.is_empty() {
+            true => vec![Backend::Cpu],
+            false => named,
+        })
+    }
+}
+
+/// Length of a measurement.
+#[derive(Args, Clone, Debug, Default)]
+pub(crate) struct LengthArguments {
+    /// Simulated seconds per run of the table, by default 15; seconds per measurement of step, by
+    /// default 1, and of solver, by default 3.
+    #[arg(long, value_name = "S", conflicts_with = "frames", value_parser = positive)]
+    pub(crate) seconds: Option<f64>,
+    /// Frames instead of seconds.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) frames: Option<u32>,
 }
 
 /// Parses a positive number or a fraction.
@@ -38,78 +117,4 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
     value
         .filter(|v| v.is_finite() && *v > 0.0)
         .ok_or_else(|| format!("'{text}' is not a positive number or fraction"))
-}
-
-/// Choice of the GPU.
-#[derive(Args, Clone, Debug)]
-pub(crate) struct AdapterArguments {
-    /// Part of the name of the GPU.
-    #[arg(long, value_name = "NAME")]
-    pub(crate) adapter: Option<String>,
-}
-
-/// Source of models.
-#[derive(Args, Clone, Debug)]
-pub(crate) struct ModelArguments {
-    /// Folder of models (bunny*.obj, armadillo*.ply, ...) that replace the built-in ones.
-    #[arg(long, value_name = "DIR")]
-    pub(crate) models: Option<PathBuf>,
-}
-
-/// Backends and output of a bench that compares backends.
-#[derive(Args, Clone, Debug)]
-pub(crate) struct RunArguments {
-    /// Backends of the solver, separated by commas; everything runs on each.
-    #[arg(
-        long,
-        value_enum,
-        value_name = "NAMES",
-        value_delimiter = ',',
-        default_value = "cpu"
-    )]
-    backend: Vec<Executor>,
-    #[command(flatten)]
-    pub(crate) gpu: AdapterArguments,
-    #[command(flatten)]
-    pub(crate) rows: OutputArguments,
-}
-
-impl RunArguments {
-    /// Returns the backends in the given order, each once.
-    pub(crate) fn backends(&self) -> Vec<Executor> {
-        let mut each = Vec::new();
-        for &executor in &self.backend {
-            if !each.contains(&executor) {
-                each.push(executor);
-            }
-        }
-        each
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use clap::Parser;
-
-    #[derive(Parser)]
-    struct Line {
-        #[command(flatten)]
-        run: RunArguments,
-    }
-
-    #[test]
-    fn a_backend_named_twice_runs_once() {
-        let line = Line::try_parse_from(["bench", "--backend", "gpu,cpu,gpu"]).unwrap();
-        assert_eq!(line.run.backends(), [Executor::Gpu, Executor::Cpu]);
-    }
-
-    #[test]
-    fn a_time_step_is_a_number_or_a_fraction() {
-        assert_eq!(positive("1/60"), Ok(1.0 / 60.0));
-        assert_eq!(positive("0.5"), Ok(0.5));
-        for bad in ["0", "-1", "1/0", "a", "1/2/3", "nan"] {
-            assert!(positive(bad).is_err(), "{bad}");
-        }
-    }
 }

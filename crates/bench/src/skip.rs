@@ -4,33 +4,21 @@
 //! of `incise-scene` and `incise-pbd-gpu`.
 
 mod claims;
-#[cfg(feature = "gpu")]
-mod device;
-#[cfg(not(feature = "gpu"))]
-mod device {
-    use super::{Claim, Effort};
 
-    crate::no_gpu::absent_device! {
-        describe() -> String;
-        claims(Effort) -> Vec<Claim>;
-    }
-}
-pub(crate) mod row;
-
-use crate::backend::Executor;
-use crate::clock;
-use crate::json::Json;
-use crate::machine;
-use crate::options::{OutputArguments, RunArguments};
-use crate::text_table::{count, paragraphs, table_with_text};
+use crate::measure::measure_pairs;
+use crate::options::{BackendArguments, OutputArguments};
+use crate::output::{Origin, Output};
 use clap::Args;
-use device::Device;
 use incise_models::Model;
-use row::Row;
+use incise_scene::{BackendRequest, Scene, SceneParams};
+use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 
 /// Measures the cost of features; fails if a bound is exceeded.
+///
+/// A claim holds when the measured value is at most the bound. Two frames are timed in turns; the
+/// median of their ratios counts, not the ratio of the medians shown.
 #[derive(Args, Clone)]
 pub(crate) struct SkipArguments {
     /// Features to measure, separated by commas.
@@ -40,7 +28,9 @@ pub(crate) struct SkipArguments {
     #[arg(long)]
     quick: bool,
     #[command(flatten)]
-    pub(crate) run: RunArguments,
+    backends: BackendArguments,
+    #[command(flatten)]
+    output: OutputArguments,
 }
 
 /// The measured features in the order of the table.
@@ -122,94 +112,76 @@ impl Claim {
     ///
     /// # Errors
     /// The error of a frame.
-    fn measure(self, pairs: u32, device: &str) -> Result<Row, Box<dyn Error>> {
+    fn measure(self, pairs: u32) -> Result<Row, Box<dyn Error>> {
         let [mut first, mut second] = (self.frames)()?;
-        let found = clock::pairs(pairs, &mut first, &mut second)?;
-        let [one, other] = found.seconds.map(microseconds);
+        let found = measure_pairs(pairs, &mut first, &mut second)?;
         let measured = match self.is_time {
             true => found.seconds[0] * 1e6,
             false => found.ratio,
         };
         Ok(Row {
-            skip: self.feature.to_owned(),
-            claim: self.text.to_owned(),
-            at: match self.is_time {
-                true => self.on,
-                false => format!("{}: {one} of {other} us", self.on),
-            },
-            bound: Some(self.bound),
-            measured: Some(measured),
+            on: self.on,
+            claim: self.text,
+            bound: self.bound,
+            measured,
             passed: measured <= self.bound,
-            device: device.to_owned(),
-            commit: machine::commit(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
+            us: found.seconds[0] * 1e6,
+            us_without: (!self.is_time).then_some(found.seconds[1] * 1e6),
         })
     }
 }
 
-/// Formats seconds as microseconds with three digits.
-fn microseconds(seconds: f64) -> String {
-    let us = seconds * 1e6;
-    let digits = if us < 10.0 {
-        2
-    } else {
-        usize::from(us < 100.0)
-    };
-    format!("{us:.digits$}")
-}
-
-/// Measures the claims that `only` names, or all.
-fn measure(
-    mut claims: Vec<Claim>,
-    (only, pairs): (&[String], u32),
-    device: &str,
-    rows: &OutputArguments,
-) -> Result<Vec<Row>, Box<dyn Error>> {
-    claims.retain(|claim| only.is_empty() || only.iter().any(|name| name == claim.feature));
-    let progress = rows.progress(claims.len(), 1);
-    let mut out = Vec::new();
-    for claim in claims {
-        progress.begin(&format!("{}, {}", claim.feature, claim.on));
-        out.push(claim.measure(pairs, device)?);
-        progress.step();
-    }
-    progress.end();
-    Ok(out)
+/// A claim and its verdict.
+#[derive(Debug, Serialize)]
+struct Row {
+    /// The measured body.
+    on: String,
+    claim: &'static str,
+    /// Largest value that passes.
+    bound: f64,
+    measured: f64,
+    passed: bool,
+    /// Median times of both frames \[us\]; none of a frame that does nothing.
+    us: f64,
+    us_without: Option<f64>,
 }
 
 /// Measures the claims, prints and writes their rows.
-pub(crate) fn run(arguments: &SkipArguments, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
-    let SkipArguments { run, only, quick } = arguments;
-    let effort = if *quick { QUICK } else { FULL };
-    let mut json = Json::open(run.rows.json.as_deref())?;
-    let mut rows: Vec<Row> = Vec::new();
-    for executor in run.backends() {
-        let (claims, device) = match executor {
-            Executor::Cpu => (claims::on_cpu(effort), machine::machine()),
-            Executor::Gpu => {
-                let device = Device::open(run.gpu.adapter.as_deref())?;
-                (device.claims(effort), device.describe())
-            }
+pub(crate) fn run(arguments: &SkipArguments, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
+    let effort = if arguments.quick { QUICK } else { FULL };
+    let mut output = Output::open("skip", &arguments.output, (), out)?;
+    let (mut count, mut failed) = (0, 0);
+    for backend in arguments.backends.devices()? {
+        let request = BackendRequest {
+            choice: backend.into(),
+            adapter: arguments.backends.adapter.clone(),
+            allow_software: true,
+            ..BackendRequest::default()
         };
-        let (name, commit) = (executor.name(), machine::commit());
-        writeln!(out, "{name}: {device}, commit {commit}")?;
-        out.flush()?;
-        rows.extend(measure(claims, (only, effort.pairs), &device, &run.rows)?);
+        let scene = Scene::with_backend(SceneParams::default(), &request)?;
+        let adapter = scene.backend_report().adapter;
+        let device = adapter.unwrap_or_else(|| output.machine.clone());
+        let mut claims = claims::claims(effort, &request);
+        let is_named = |claim: &Claim| arguments.only.iter().any(|name| name == claim.feature);
+        claims.retain(|claim| arguments.only.is_empty() || is_named(claim));
+        let progress = output.progress(claims.len(), 1);
+        for claim in claims {
+            let feature = claim.feature;
+            progress.begin(&format!("{feature}, {}", claim.on));
+            let row = claim.measure(effort.pairs)?;
+            (count, failed) = (count + 1, failed + u32::from(!row.passed));
+            let (backend, device) = (backend.name(), device.as_str());
+            output.row(feature, Origin { backend, device }, &row)?;
+            progress.step();
+        }
+        progress.end();
     }
-    if rows.is_empty() {
-        return Err("--only names no feature of these backends".into());
+    output.table()?;
+    match (count, failed) {
+        (0, _) => Err("--only names no feature of these backends".into()),
+        (_, 0) => Ok(()),
+        _ => Err(format!("{failed} of {count} claims do not hold").into()),
     }
-    let table = table_with_text(row::COLUMNS, &rows, "claim and body", Row::text);
-    write!(out, "{table}")?;
-    write!(out, "{}", paragraphs(row::LEGEND))?;
-    let failed = rows.iter().filter(|row| !row.passed).count();
-    writeln!(out, "Failed: {failed} of {}.", count(rows.len(), "claim"))?;
-    json.write(&rows)?;
-    if failed > 0 {
-        let verb = if failed == 1 { "does" } else { "do" };
-        return Err(format!("{} {verb} not hold", count(failed, "claim")).into());
-    }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -219,21 +191,11 @@ mod tests {
     #[test]
     fn every_feature_has_a_claim() {
         for effort in [FULL, QUICK] {
-            let claims = claims::on_cpu(effort);
+            let claims = claims::claims(effort, &BackendRequest::default());
             assert!(claims.iter().all(|claim| NAMES.contains(&claim.feature)));
             for name in NAMES {
                 assert!(claims.iter().any(|claim| claim.feature == name), "{name}");
             }
         }
-    }
-
-    #[test]
-    fn named_claims_are_measured() {
-        let only = ["early-out".to_owned()];
-        let output = OutputArguments::default();
-        let rows = measure(claims::on_cpu(QUICK), (&only, 1), "D", &output).unwrap();
-        let features: Vec<&str> = rows.iter().map(|row| row.skip.as_str()).collect();
-        assert_eq!(features, ["early-out"]);
-        assert!(rows[0].measured.unwrap() > 0.0, "{rows:?}");
     }
 }

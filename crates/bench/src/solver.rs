@@ -1,12 +1,11 @@
 //! `incise-bench solver`: projections per second by kind and number of threads, and the share of a
 //! frame that is not projection.
 
-use crate::json::Json;
-use crate::numbers::fixed;
-use crate::options::{ModelArguments, OutputArguments};
-use crate::text_table::{Column, paragraphs, text_table};
-use crate::workload::{Workload, workloads};
-use crate::{machine, motion};
+use crate::measure::{Budget, measure};
+use crate::motion;
+use crate::options::{LengthArguments, ModelArguments, OutputArguments};
+use crate::output::Output;
+use crate::workload::workloads;
 use clap::Args;
 use incise_mesh::Surface;
 use incise_pbd_gpu::{Material, SolverParams};
@@ -14,30 +13,37 @@ use incise_scene::{Scene, SceneError, SceneParams};
 use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
-use std::time::{Duration, Instant};
 
 /// Measures the solver alone.
+///
+/// Bodies fall freely; the fastest frame counts. Projections per second of all threads come from
+/// frames of twice as many iterations and of stretch alone. `other` is the share of a frame that is
+/// not projection.
 #[derive(Args, Clone)]
 pub(crate) struct SolverArguments {
     #[command(flatten)]
-    from: ModelArguments,
-    /// Models to run, separated by commas; `Sphere1306800` has 1.3 million triangles.
-    #[arg(
-        long,
-        value_name = "NAMES",
-        value_delimiter = ',',
-        default_value = "Bunny,Armadillo"
-    )]
-    only: Vec<String>,
+    models: ModelArguments,
+    #[command(flatten)]
+    length: LengthArguments,
+    #[command(flatten)]
+    parameters: Parameters,
+    #[command(flatten)]
+    output: OutputArguments,
+}
+
+/// The parameters of all rows.
+#[derive(Args, Clone, Debug, Serialize)]
+struct Parameters {
     /// Copies of the model in the scene.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     bodies: u32,
-    /// Maximum number of frames per measurement; the fastest counts.
-    #[arg(long, default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..))]
-    frames: u32,
-    #[command(flatten)]
-    pub(crate) rows: OutputArguments,
+    /// Iterations per frame.
+    #[arg(skip = ITERATIONS)]
+    iterations: u32,
 }
+
+/// Models that run by default.
+const MODELS: [&str; 2] = ["Bunny", "Armadillo"];
 
 /// Iterations per frame; the share that is not projection comes from twice as many.
 const ITERATIONS: u32 = 10;
@@ -45,20 +51,14 @@ const ITERATIONS: u32 = 10;
 /// Triangles of the largest model.
 const MAX_TRIANGLES: usize = 2_000_000;
 
-/// Time after which a measurement ends, with 5 frames or more.
-const MAX_TIME: Duration = Duration::from_secs(3);
-
-/// A row of the table and of the JSON.
+/// A number of threads.
 #[derive(Debug, Serialize)]
 struct Row {
-    model: String,
     source: String,
     /// Of one body, like edges and hinges.
     triangles: usize,
     edges: usize,
     hinges: usize,
-    bodies: u32,
-    iterations: u32,
     threads: usize,
     ms_per_frame: f64,
     /// Time of one thread over this time.
@@ -67,41 +67,23 @@ struct Row {
     bending_projections_per_second: f64,
     /// Share of a frame that is not projection, 0 to 1.
     other: f64,
-    machine: String,
-    commit: String,
 }
 
-const COLUMNS: &[Column<Row>] = &[
-    ("model", |row| row.model.clone()),
-    ("triangles", |row| row.triangles.to_string()),
-    ("bodies", |row| row.bodies.to_string()),
-    ("threads", |row| row.threads.to_string()),
-    ("ms", |row| fixed(row.ms_per_frame, 3)),
-    ("x", |row| fixed(row.speed_up, 2)),
-    ("stretch M/s", |row| {
-        fixed(row.stretch_projections_per_second / 1e6, 0)
-    }),
-    ("bending M/s", |row| {
-        fixed(row.bending_projections_per_second / 1e6, 0)
-    }),
-    ("other %", |row| fixed(100.0 * row.other, 1)),
-    ("source", |row| row.source.clone()),
-];
-
-const LEGEND: &str = "\
-Bodies fall freely. ms: the fastest frame. x: speed relative to one thread. M/s: millions of \
-projections per second of all threads, from frames of twice as many iterations and of stretch \
-alone. other %: share of a frame that is not projection.";
-
 /// Measures all models, prints and writes the rows.
-pub(crate) fn run(arguments: &SolverArguments, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
-    let (machine, commit) = (machine::machine(), machine::commit());
-    let mut json = Json::open(arguments.rows.json.as_deref())?;
-    let folder = arguments.from.models.as_deref();
-    let workloads = workloads(folder, &arguments.only, MAX_TRIANGLES)?;
+pub(crate) fn run(arguments: &SolverArguments, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
+    let mut models = arguments.models.clone();
+    if models.only.is_empty() {
+        models.only = MODELS.map(str::to_owned).to_vec();
+    }
+    let workloads = workloads(&models, MAX_TRIANGLES)?;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let mut rows: Vec<Row> = Vec::new();
-    let progress = arguments.rows.progress(workloads.len(), cores as u64);
+    let mut output = Output::open(
+        "solver",
+        &arguments.output,
+        arguments.parameters.clone(),
+        out,
+    )?;
+    let progress = output.progress(workloads.len(), cores as u64);
     for workload in &workloads {
         progress.begin(&workload.name);
         let surface = workload.surface()?;
@@ -111,19 +93,29 @@ pub(crate) fn run(arguments: &SolverArguments, out: &mut impl Write) -> Result<(
                 .num_threads(threads)
                 .build()?;
             let times = pool.install(|| Times::measure(&surface, arguments))?;
-            let one_thread = *one_thread.get_or_insert(times.frame);
-            rows.push(times.row(workload, &surface, arguments, threads, one_thread));
+            let topology = surface.topology();
+            // Every edge of a closed surface has a stretch and a bending constraint.
+            let edges = topology.edges().count();
+            let all = edges as f64 * f64::from(arguments.parameters.bodies);
+            let projection = f64::from(ITERATIONS) * times.iteration;
+            let row = Row {
+                source: workload.source.clone(),
+                triangles: topology.triangle_count(),
+                edges,
+                hinges: edges,
+                threads,
+                ms_per_frame: times.frame * 1e3,
+                speed_up: *one_thread.get_or_insert(times.frame) / times.frame,
+                stretch_projections_per_second: all / times.stretch,
+                bending_projections_per_second: all / (times.iteration - times.stretch),
+                other: (1.0 - projection / times.frame).max(0.0),
+            };
+            output.cpu_row(&workload.name, &row)?;
             progress.step();
         }
     }
     progress.end();
-    for row in &mut rows {
-        (row.machine, row.commit) = (machine.clone(), commit.clone());
-    }
-    write!(out, "{}", text_table(COLUMNS, &rows))?;
-    writeln!(out, "\n{machine}, commit {commit}; {ITERATIONS} iterations")?;
-    write!(out, "{}", paragraphs(LEGEND))?;
-    Ok(json.write(&rows)?)
+    Ok(output.table()?)
 }
 
 /// Times of a number of threads \[s\].
@@ -158,41 +150,6 @@ impl Times {
             ),
         })
     }
-
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "a frame has far fewer than 2^53 projections"
-    )]
-    fn row(
-        self,
-        workload: &Workload,
-        surface: &Surface,
-        arguments: &SolverArguments,
-        threads: usize,
-        one_thread: f64,
-    ) -> Row {
-        let topology = surface.topology();
-        // Every edge of a closed surface has a stretch and a bending constraint.
-        let edges = topology.edges().count();
-        let all = edges as f64 * f64::from(arguments.bodies);
-        Row {
-            model: workload.name.clone(),
-            source: workload.source.clone(),
-            triangles: topology.triangle_count(),
-            edges,
-            hinges: edges,
-            bodies: arguments.bodies,
-            iterations: ITERATIONS,
-            threads,
-            ms_per_frame: self.frame * 1e3,
-            speed_up: one_thread / self.frame,
-            stretch_projections_per_second: all / self.stretch,
-            bending_projections_per_second: all / (self.iteration - self.stretch),
-            other: (1.0 - f64::from(ITERATIONS) * self.iteration / self.frame).max(0.0),
-            machine: String::new(),
-            commit: String::new(),
-        }
-    }
 }
 
 /// Returns the time of the fastest frame \[s\].
@@ -210,18 +167,14 @@ fn fastest_frame(
         sleep: None,
         ..SceneParams::default()
     });
-    for _ in 0..arguments.bodies {
+    for _ in 0..arguments.parameters.bodies {
         scene.add_body(surface.clone(), material)?;
     }
-    let begin = Instant::now();
-    let mut fastest = f64::INFINITY;
-    for frame in 0..arguments.frames {
-        if frame >= 5 && begin.elapsed() > MAX_TIME {
-            break;
-        }
-        let start = Instant::now();
-        scene.step()?;
-        fastest = fastest.min(start.elapsed().as_secs_f64());
-    }
-    Ok(fastest)
+    let budget = Budget {
+        warm_up: 0,
+        runs: [5, arguments.length.frames.unwrap_or(120)],
+        seconds: [arguments.length.seconds.unwrap_or(3.0), f64::INFINITY],
+    };
+    let times = measure(&budget, |times| times.time(|| scene.step().map(|_| ())))?;
+    Ok(times.min())
 }

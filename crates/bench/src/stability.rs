@@ -1,34 +1,38 @@
 //! `incise-bench stability`: stress cases, with a verdict on each of their invariants.
 
-use crate::backend::Executor;
-use crate::json::Json;
-use crate::machine;
 use crate::models::files;
-use crate::numbers::short;
-use crate::options::{ModelArguments, RunArguments};
-use crate::skip::row::verdict;
-use crate::text_table::{Column, count, paragraphs, table_with_text};
+use crate::options::{Backend, BackendArguments, OutputArguments};
+use crate::output::{Origin, Output};
+use crate::text_table::number;
 use clap::Args;
 use incise_mesh::{RepairParams, read_mesh};
 use incise_tests::stability::{Case, Runner, Subject, Verdict, cases};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
+use std::collections::BTreeMap;
 use std::error::Error;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 use std::thread;
 use std::time::Instant;
 
 /// Runs stress tests of the solver; fails if an invariant does not hold.
+///
+/// `worst` is the largest value of all runs; a case passes when it is at most the bound. It is none
+/// when a run ended in an error or in a position that is not finite. The limits of every motion
+/// hold where no unknown work is done: ten times the speed that all of the energy would give the
+/// lightest vertex, a stated distance from the origin, a mean strain of 5% after 5 s, 1.01 of the
+/// energy.
 #[derive(Args, Clone)]
 pub(crate) struct StabilityArguments {
     #[command(flatten)]
-    pub(crate) run: RunArguments,
+    backends: BackendArguments,
     /// Cases to run, separated by commas, for example T1,T3,volume.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = id)]
     only: Vec<String>,
-    #[command(flatten)]
-    models: ModelArguments,
+    /// Folder of meshes for the cases over models, instead of the built-in models.
+    #[arg(long, value_name = "DIR")]
+    models: Option<PathBuf>,
     /// Drops of each model in the case `drop`, at most 800; large models have fewer by default.
     #[arg(long, value_name = "N")]
     samples: Option<u32>,
@@ -38,6 +42,8 @@ pub(crate) struct StabilityArguments {
     /// Print every run beyond its bound, the worst first.
     #[arg(long)]
     list: bool,
+    #[command(flatten)]
+    output: OutputArguments,
 }
 
 /// Parses the name of a case, in any case.
@@ -52,55 +58,19 @@ fn id(text: &str) -> Result<String, String> {
 }
 
 /// The verdict on one invariant of a case.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub(crate) struct Row {
-    id: String,
-    /// Older files call it `torture`.
-    #[serde(alias = "torture")]
-    stress: String,
-    /// Older files call it `law`.
-    #[serde(alias = "law")]
-    invariant: String,
-    bound: Option<f64>,
+#[derive(Debug, Serialize)]
+struct Row<'a> {
+    passed: bool,
+    bound: f64,
     /// The largest value; none when a run failed.
     worst: Option<f64>,
-    /// The run of the largest value, or the error.
-    at: String,
     runs: usize,
-    pub(crate) passed: bool,
     /// Time of all runs of the case, with its first invariant \[s\].
     seconds: f64,
-    pub(crate) backend: String,
-    device: String,
-    commit: String,
-    version: String,
-}
-
-/// Columns of the printed table and of the report.
-pub(crate) const COLUMNS: &[Column<Row>] = &[
-    ("case", |row| row.id.clone()),
-    ("backend", |row| row.backend.clone()),
-    ("verdict", |row| verdict(row.passed)),
-    ("runs", |row| row.runs.to_string()),
-    ("bound", |row| short(row.bound)),
-    ("worst", |row| short(row.worst)),
-];
-
-/// Explains the columns.
-const LEGEND: &str = "\
-runs: number of runs. worst: the largest value of all runs; a case passes when it is at most the \
-bound. -: a run ended in an error or in a position that is not finite. The limits of every motion \
-hold where no unknown work is done: ten times the speed that all of the energy would give the \
-lightest vertex, a stated distance from the origin, a mean strain of 5% after 5 s, 1.01 of the \
-energy.";
-
-impl Row {
-    /// Returns the text beside the columns.
-    pub(crate) fn text(&self) -> String {
-        let Self { stress, at, .. } = self;
-        format!("{stress}\ninvariant: {}\nat: {at}", self.invariant)
-    }
+    stress: &'a str,
+    invariant: &'a str,
+    /// The run of the largest value, or the error.
+    at: &'a str,
 }
 
 /// Returns the meshes of a folder that can be cut.
@@ -109,7 +79,7 @@ fn subjects(folder: &Path) -> Result<Vec<Subject>, Box<dyn Error>> {
         allow_boundaries: true,
         separate_sheets: true,
     };
-    let subject = |path: &std::path::PathBuf| {
+    let subject = |path: &PathBuf| {
         let (surface, _) = read_mesh(path).ok()?.repair(repairs).ok()?;
         let name = path.file_name().unwrap_or_default();
         Subject::new(name.to_string_lossy().into_owned(), surface)
@@ -120,18 +90,19 @@ fn subjects(folder: &Path) -> Result<Vec<Subject>, Box<dyn Error>> {
 /// Opens a backend; also returns its description.
 fn open(
     arguments: &StabilityArguments,
-    executor: Executor,
+    backend: Backend,
+    machine: &str,
 ) -> Result<(Runner, String), Box<dyn Error>> {
-    let subjects = match &arguments.models.models {
+    let subjects = match &arguments.models {
         Some(folder) => subjects(folder)?,
         None => Subject::built_in(),
     };
-    let (mut runner, device) = match executor {
-        Executor::Cpu => (Runner::cpu(subjects), machine::machine()),
+    let (mut runner, device) = match backend {
         #[cfg(feature = "gpu")]
-        Executor::Gpu => Runner::gpu(subjects, arguments.run.gpu.adapter.as_deref())?,
+        Backend::Gpu => Runner::gpu(subjects, arguments.backends.adapter.as_deref())?,
         #[cfg(not(feature = "gpu"))]
-        Executor::Gpu => return Err(crate::no_gpu::NoGpu.into()),
+        Backend::Gpu => return Err(crate::no_gpu::NoGpu.into()),
+        _ => (Runner::cpu(subjects), machine.to_owned()),
     };
     runner.samples = arguments.samples;
     runner.matching.clone_from(&arguments.matching);
@@ -141,138 +112,92 @@ fn open(
 /// Runs the cases, prints and writes their verdicts.
 pub(crate) fn run(
     arguments: &StabilityArguments,
-    out: &mut impl Write,
+    out: &mut dyn Write,
 ) -> Result<(), Box<dyn Error>> {
     let begin = Instant::now();
     let only = &arguments.only;
     let is_meant = |case: &&Case| only.is_empty() || only.iter().any(|id| id == case.id);
-    let named: Vec<(usize, &Case)> = cases().filter(is_meant).enumerate().collect();
-    let mut json = Json::open(arguments.run.rows.json.as_deref())?;
-    let commit = machine::commit();
-    let mut rows: Vec<Row> = Vec::new();
-    let mut written = Ok(());
-    for executor in arguments.run.backends() {
-        let (runner, device) = open(arguments, executor)?;
-        let backend = executor.name();
-        writeln!(out, "{backend}: {device}, commit {commit}")?;
-        let progress = arguments.run.rows.progress(named.len(), 1);
-        let mut told = Ok(());
-        let mut all = Vec::new();
-        thread::scope(|scope| {
+    let named: Vec<&Case> = cases().filter(is_meant).collect();
+    let mut output = Output::open("stability", &arguments.output, (), out)?;
+    // The verdicts of the first backend.
+    let mut judged = BTreeMap::new();
+    let (mut differing, mut failed, mut count) = (Vec::new(), 0, 0);
+    for backend in arguments.backends.devices()? {
+        let (runner, device) = open(arguments, backend, &output.machine)?;
+        let (backend, device) = (backend.name(), device.as_str());
+        let progress = output.progress(named.len(), 1);
+        thread::scope(|scope| -> Result<(), Box<dyn Error>> {
             let (send, receive) = mpsc::channel();
             let (named, runner) = (&named, &runner);
             scope.spawn(move || {
-                runner.each(named, |&(number, case)| {
+                runner.each(named, |case| {
                     let begin = Instant::now();
                     let verdicts = case.verdicts(runner);
-                    let sent = send.send((number, verdicts, begin.elapsed().as_secs_f64()));
-                    sent.expect("the receiver waits for all");
+                    // A receiver that is gone has no use for verdicts.
+                    let _ = send.send((verdicts, begin.elapsed().as_secs_f64()));
                 })
             });
-            for (number, verdicts, seconds) in receive {
+            for (verdicts, seconds) in receive {
                 progress.begin(verdicts[0].case.id);
-                told = progress.suspend(|| print(&verdicts, seconds, arguments.list, out));
+                progress.suspend(|| print(&verdicts, seconds, arguments.list, &mut output))?;
                 progress.step();
-                all.push((number, verdicts, seconds));
-            }
-        });
-        progress.end();
-        told?;
-        all.sort_by_key(|&(number, ..)| number);
-        for (_, verdicts, seconds) in all {
-            let times = std::iter::once(seconds).chain(std::iter::repeat(0.0));
-            rows.extend(
-                verdicts
-                    .into_iter()
-                    .zip(times)
-                    .map(|(verdict, seconds)| Row {
-                        id: verdict.case.id.to_owned(),
-                        stress: verdict.case.stress.to_owned(),
-                        invariant: verdict.invariant.to_owned(),
-                        bound: Some(verdict.bound),
+                let times = std::iter::once(seconds).chain(std::iter::repeat(0.0));
+                for (verdict, seconds) in verdicts.iter().zip(times) {
+                    let Case { id, stress, .. } = verdict.case;
+                    let (passed, invariant) = (verdict.passed(), verdict.invariant);
+                    let row = Row {
+                        passed,
+                        bound: verdict.bound,
                         worst: verdict.worst.is_finite().then_some(verdict.worst),
-                        passed: verdict.passed(),
                         runs: verdict.runs,
-                        at: verdict.at,
                         seconds,
-                        backend: backend.to_owned(),
-                        device: device.clone(),
-                        commit: commit.clone(),
-                        version: env!("CARGO_PKG_VERSION").to_owned(),
-                    }),
-            );
-        }
-        written = json.write(&rows);
+                        stress,
+                        invariant,
+                        at: &verdict.at,
+                    };
+                    output.row(id, Origin { backend, device }, &row)?;
+                    (count, failed) = (count + 1, failed + u32::from(!passed));
+                    if *judged.entry((id, stress, invariant)).or_insert(passed) != passed {
+                        differing.push(id);
+                    }
+                }
+            }
+            Ok(())
+        })?;
+        progress.end();
     }
-    let heading = "stress, invariant, and the worst run";
-    let table = table_with_text(COLUMNS, &rows, heading, Row::text);
-    write!(out, "{table}{}", paragraphs(LEGEND))?;
-    let failed = rows.iter().filter(|row| !row.passed).count();
+    output.table()?;
     // Cases run side by side, so that their times add up to more.
     let seconds = begin.elapsed().as_secs_f64();
-    let all = count(rows.len(), "verdict");
-    writeln!(out, "Failed: {failed} of {all}, in {seconds:.0} s.")?;
-    written?;
-    let names = disagreements(&rows);
-    if !names.is_empty() {
-        return Err(format!("backends disagree on {}", names.join(", ")).into());
+    output.print(format_args!(
+        "Failed: {failed} of {count} verdicts, in {seconds:.0} s."
+    ))?;
+    if !differing.is_empty() {
+        return Err(format!("backends disagree on {}", differing.join(", ")).into());
     }
-    if failed > 0 {
-        let verb = if failed == 1 { "does" } else { "do" };
-        return Err(format!("{} {verb} not hold", count(failed, "invariant")).into());
+    match failed {
+        0 => Ok(()),
+        _ => Err(format!("{failed} of {count} invariants do not hold").into()),
     }
-    Ok(())
 }
 
 /// Prints a line for each verdict of a case, and for each run beyond its bound if asked to.
-fn print(verdicts: &[Verdict], seconds: f64, list: bool, out: &mut impl Write) -> io::Result<()> {
+fn print(
+    verdicts: &[Verdict],
+    seconds: f64,
+    list: bool,
+    output: &mut Output<'_, ()>,
+) -> io::Result<()> {
     for found in verdicts {
         let Case { id, stress, .. } = found.case;
-        let (verdict, invariant) = (verdict(found.passed()), found.invariant);
-        writeln!(
-            out,
+        let verdict = if found.passed() { "pass" } else { "FAIL" };
+        let invariant = found.invariant;
+        output.print(format_args!(
             "{verdict}  {id} ({seconds:.1} s): {stress}; {invariant}"
-        )?;
+        ))?;
         for (value, at) in found.beyond.iter().filter(|_| list) {
-            writeln!(out, "      {}  {at}", short(Some(*value)))?;
+            output.print(format_args!("      {}  {at}", number(*value)))?;
         }
     }
-    out.flush()
-}
-
-/// Returns the cases with different verdicts on different backends.
-fn disagreements(rows: &[Row]) -> Vec<String> {
-    let first = |row: &Row| {
-        let same = |other: &&Row| {
-            (&other.id, &other.stress, &other.invariant) == (&row.id, &row.stress, &row.invariant)
-        };
-        rows.iter().find(same).is_some_and(|row| row.passed)
-    };
-    let differing = rows.iter().filter(|row| row.passed != first(row));
-    differing.map(|row| row.id.clone()).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn cases_are_found_by_their_names() {
-        assert_eq!(id("t1").as_deref(), Ok("T1"));
-        let told = id("T99").unwrap_err();
-        for id in ["contradiction", "T10", "map"] {
-            assert_eq!(told.matches(id).count(), 1, "{told}");
-        }
-    }
-
-    #[test]
-    fn backends_agree_when_every_verdict_is_the_same() {
-        let row = |passed| Row {
-            id: "T1".to_owned(),
-            passed,
-            ..Row::default()
-        };
-        assert!(disagreements(&[row(false), row(false)]).is_empty());
-        assert_eq!(disagreements(&[row(true), row(false)]), ["T1"]);
-    }
+    Ok(())
 }

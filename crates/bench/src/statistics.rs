@@ -1,4 +1,4 @@
-//! Means, medians, percentiles and slopes of measurements.
+//! Means, medians and percentiles of measurements.
 
 /// Returns the mean; NaN without values.
 #[expect(
@@ -28,14 +28,6 @@ pub(crate) fn median(values: Vec<f64>) -> f64 {
     percentile(&sorted(values), 50)
 }
 
-/// Returns the slope of the least-squares line; NaN for fewer than two places.
-pub(crate) fn slope(points: &[[f64; 2]]) -> f64 {
-    let [x, y] = [0, 1].map(|k| mean(&points.iter().map(|p| p[k]).collect::<Vec<f64>>()));
-    let along: f64 = points.iter().map(|p| (p[0] - x) * (p[0] - x)).sum();
-    let up: f64 = points.iter().map(|p| (p[0] - x) * (p[1] - y)).sum();
-    up / along
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -48,17 +40,5 @@ mod tests {
         assert_eq!(median(vec![9.0, 1.0, 5.0]), 5.0);
         assert_eq!(median(vec![9.0, 1.0, 5.0, 10.0]), 5.0);
         assert!(median(Vec::new()).is_nan());
-    }
-
-    #[test]
-    fn a_line_has_its_slope() {
-        let noise = [0.1, -0.1, -0.1, 0.1];
-        let points = [0, 1, 2, 3].map(|i| [f64::from(i), 2.0 - 0.5 * f64::from(i)]);
-        let noisy = [0, 1, 2, 3].map(|i: usize| [points[i][0], points[i][1] + noise[i]]);
-        assert!(
-            (slope(&noisy) + 0.5).abs() < 1e-15,
-            "the noise has no slope"
-        );
-        assert!(slope(&points[..1]).is_nan());
     }
 }

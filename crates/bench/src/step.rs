@@ -6,75 +6,67 @@ mod device;
 #[cfg(not(feature = "gpu"))]
 mod device {
     use super::ScheduleChoice;
-    use super::case::Case;
-    use super::row::Row;
+    use super::case::{Case, CaseRow};
     use incise_pbd_gpu::SolverParams;
 
     crate::no_gpu::absent_device! {
         describe() -> String;
         calibrate(&SolverParams) -> Result<Option<usize>, String>;
-        rows(&Case<'_>, &[ScheduleChoice]) -> Vec<Row>;
+        rows(&Case<'_>, &[ScheduleChoice]) -> Vec<CaseRow>;
     }
 }
-pub(crate) mod row;
 
-use crate::backend::BackendChoice;
-use crate::clock::Budget;
-use crate::json::Json;
-use crate::options::{AdapterArguments, ModelArguments, OutputArguments};
-use crate::text_table::{paragraphs, text_table};
-use crate::workload::{self, Workload};
-use crate::{machine, options};
-use case::{Case, Setup};
+use crate::measure::Length;
+use crate::options::{Backend, BackendArguments, LengthArguments, ModelArguments, OutputArguments};
+use crate::output::{Origin, Output};
+use crate::workload::{Workload, workloads};
+use case::{Case, CaseRow, Setup, compare};
 use clap::{Args, ValueEnum};
 use device::Device;
 use incise_pbd_gpu::SolverParams;
-use row::Row;
+use serde::Serialize;
 use std::error::Error;
 use std::io::{self, Write};
 
 /// Measures frames of models, finer armadillos and spheres.
+///
+/// Weightless bodies spin and are squeezed. A GPU gets a batch of frames and is waited for at its
+/// end; `ms_per_frame` is the median over batches, `ms_latency` the time of a frame that is waited
+/// for.
+/// Projections are those of stretch and bending constraints. Speeds are relative to the schedule
+/// `colors` on the same GPU and to the CPU. `chosen` marks the schedule that the backend chooses.
 #[derive(Args, Clone)]
 pub(crate) struct StepArguments {
     #[command(flatten)]
-    from: ModelArguments,
-    /// Models to step, separated by commas: those of the table, finer armadillos such as
-    /// Armadillo120000, and spheres such as Sphere3072.
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    only: Vec<String>,
-    /// Backends, separated by commas: every model runs on each. The default is the CPU, and a GPU
-    /// if there is one.
-    #[arg(long, value_enum, value_name = "NAMES", value_delimiter = ',')]
-    backend: Vec<BackendChoice>,
+    models: ModelArguments,
     #[command(flatten)]
-    gpu: AdapterArguments,
+    backends: BackendArguments,
+    #[command(flatten)]
+    length: LengthArguments,
     /// GPU schedules, separated by commas. The default is every schedule that a model fits.
     #[arg(long, value_enum, value_name = "NAMES", value_delimiter = ',')]
     schedule: Vec<ScheduleChoice>,
+    #[command(flatten)]
+    parameters: Parameters,
+    /// Omit larger models.
+    #[arg(long, value_name = "N", default_value_t = 1_400_000)]
+    max_triangles: usize,
+    #[command(flatten)]
+    output: OutputArguments,
+}
+
+/// The parameters of all rows.
+#[derive(Args, Clone, Debug, Serialize)]
+struct Parameters {
+    /// Number of bodies that are stepped together, all of one model.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    bodies: u32,
     /// Solver iterations per substep.
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..))]
     iterations: u32,
     /// Substeps per frame.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     substeps: u32,
-    /// Omit larger models.
-    #[arg(long, value_name = "N", default_value_t = 1_400_000)]
-    max_triangles: usize,
-    /// Frames per measurement.
-    #[arg(
-        long,
-        conflicts_with = "seconds_per_row",
-        value_parser = clap::value_parser!(u32).range(1..)
-    )]
-    frames: Option<u32>,
-    /// Approximate seconds per measurement.
-    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = options::positive)]
-    seconds_per_row: f64,
-    /// Number of bodies that are stepped together, all of one model.
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
-    bodies: u32,
-    #[command(flatten)]
-    pub(crate) rows: OutputArguments,
 }
 
 /// The division of a body's step into GPU dispatches.
@@ -91,54 +83,50 @@ enum ScheduleChoice {
 }
 
 /// Measures all workloads, prints and writes the rows.
-pub(crate) fn run(arguments: &StepArguments, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
-    let folder = arguments.from.models.as_deref();
-    let workloads = workload::workloads(folder, &arguments.only, arguments.max_triangles)?;
+pub(crate) fn run(arguments: &StepArguments, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
+    let workloads = workloads(&arguments.models, arguments.max_triangles)?;
+    let parameters = arguments.parameters.clone();
     let setup = Setup {
         params: SolverParams {
-            iterations: arguments.iterations,
-            substeps: arguments.substeps,
+            iterations: parameters.iterations,
+            substeps: parameters.substeps,
             gravity: [0.0; 3],
             ..SolverParams::paper()
         },
-        bodies: arguments.bodies,
-        budget: match arguments.frames {
-            Some(frames) => Budget::Frames(frames),
-            None => Budget::Seconds(arguments.seconds_per_row),
+        bodies: parameters.bodies,
+        length: match arguments.length.frames {
+            Some(frames) => Length::Frames(frames),
+            None => Length::Seconds(arguments.length.seconds.unwrap_or(1.0)),
         },
-        machine: machine::machine(),
-        commit: machine::commit(),
     };
-    let mut json = Json::open(arguments.rows.json.as_deref())?;
-    let mut written = Ok(());
-    let mut backends = Backends::open(arguments, &setup, out)?;
-    writeln!(
-        out,
-        "{}, commit {}; iterations {}, substeps {}",
-        setup.machine, setup.commit, setup.params.iterations, setup.params.substeps
-    )?;
-    let mut rows = Vec::new();
-    let progress = arguments.rows.progress(workloads.len(), 1);
+    let mut output = Output::open("step", &arguments.output, parameters, out)?;
+    let mut backends = Backends::open(arguments, &setup, &mut output)?;
+    let progress = output.progress(workloads.len(), 1);
     for workload in &workloads {
         progress.begin(&workload.name);
-        let mut of_workload = backends.rows(workload, &setup)?;
-        row::compare(&mut of_workload);
-        rows.extend(of_workload);
+        let mut rows = backends.rows(workload, &setup)?;
+        compare(&mut rows);
+        let machine = output.machine.clone();
+        for CaseRow {
+            backend,
+            device,
+            row,
+        } in &rows
+        {
+            let device = device.as_deref().unwrap_or(&machine);
+            output.row(&workload.name, Origin { backend, device }, row)?;
+        }
         progress.step();
-        // An interrupted run keeps its rows.
-        written = json.write(&rows);
     }
     progress.end();
-    write!(out, "{}", text_table(row::COLUMNS, &rows))?;
-    write!(out, "{}", paragraphs(row::LEGEND))?;
-    Ok(written?)
+    Ok(output.table()?)
 }
 
 /// The backends that every model runs on.
 struct Backends {
-    choices: Vec<BackendChoice>,
+    choices: Vec<Backend>,
     device: Option<Device>,
-    /// Number of constraints from which [`BackendChoice::Auto`] uses the GPU.
+    /// Number of constraints from which [`Backend::Auto`] uses the GPU.
     min_gpu_constraints: Option<usize>,
     schedules: Vec<ScheduleChoice>,
 }
@@ -151,76 +139,70 @@ impl Backends {
     fn open(
         arguments: &StepArguments,
         setup: &Setup,
-        out: &mut impl Write,
+        output: &mut Output<'_, Parameters>,
     ) -> Result<Self, Box<dyn Error>> {
-        let asked = match arguments.backend.as_slice() {
-            [] => &[BackendChoice::Cpu, BackendChoice::Gpu][..],
-            asked => asked,
-        };
-        let all = [BackendChoice::Cpu, BackendChoice::Gpu, BackendChoice::Auto];
+        let named = arguments.backends.named();
         let mut backends = Self {
-            choices: all.into_iter().filter(|c| asked.contains(c)).collect(),
+            choices: match named.is_empty() {
+                true => vec![Backend::Cpu, Backend::Gpu],
+                false => named.clone(),
+            },
             device: None,
             min_gpu_constraints: None,
             schedules: arguments.schedule.clone(),
         };
-        if asked == [BackendChoice::Cpu] {
+        if backends.choices == [Backend::Cpu] {
             return Ok(backends);
         }
-        match Device::open(arguments.gpu.adapter.as_deref()) {
+        let adapter = arguments.backends.adapter.as_deref();
+        match Device::open(adapter) {
             Ok(device) => {
-                writeln!(out, "gpu: {}", device.describe())?;
+                output.print(format_args!("gpu: {}", device.describe()))?;
                 backends.device = Some(device);
             }
-            Err(error) => {
-                let is_required = arguments.backend.contains(&BackendChoice::Gpu);
-                if is_required || arguments.gpu.adapter.is_some() {
-                    return Err(error.into());
-                }
-                writeln!(out, "gpu: none: {error}")?;
+            Err(error) if named.contains(&Backend::Gpu) || adapter.is_some() => {
+                return Err(error.into());
             }
+            Err(error) => output.print(format_args!("gpu: none: {error}"))?,
         }
-        if asked.contains(&BackendChoice::Auto) {
-            backends.calibrate(setup, out)?;
+        if backends.choices.contains(&Backend::Auto) {
+            backends.calibrate(setup, output)?;
         }
         Ok(backends)
     }
 
     /// Measures from which size on the GPU is faster, and prints it.
-    fn calibrate(&mut self, setup: &Setup, out: &mut impl Write) -> io::Result<()> {
+    fn calibrate(&mut self, setup: &Setup, output: &mut Output<'_, Parameters>) -> io::Result<()> {
         let Some(device) = &mut self.device else {
             return Ok(());
         };
         match device.calibrate(&setup.params) {
             Ok(Some(count)) => {
-                writeln!(out, "auto: the GPU from {count} constraints on")?;
                 self.min_gpu_constraints = Some(count);
+                output.print(format_args!("auto: the GPU from {count} constraints on"))
             }
-            Ok(None) => writeln!(out, "auto: the CPU, which is faster at every size")?,
-            Err(error) => writeln!(out, "auto: the CPU: {error}")?,
+            Ok(None) => output.print(format_args!("auto: the CPU, which is faster at every size")),
+            Err(error) => output.print(format_args!("auto: the CPU: {error}")),
         }
-        Ok(())
     }
 
     /// Measures a workload on every backend.
-    fn rows(&mut self, workload: &Workload, setup: &Setup) -> Result<Vec<Row>, Box<dyn Error>> {
+    fn rows(&mut self, workload: &Workload, setup: &Setup) -> Result<Vec<CaseRow>, Box<dyn Error>> {
         let case = Case::new(workload, setup)?;
         let is_large = (self.min_gpu_constraints).is_some_and(|count| case.constraints() >= count);
         let mut rows = Vec::new();
         for &choice in &self.choices {
             let first = rows.len();
             match (choice, &mut self.device) {
-                (BackendChoice::Gpu, Some(device)) => {
-                    rows.extend(device.rows(&case, &self.schedules));
-                }
-                (BackendChoice::Gpu, None) => {}
-                (BackendChoice::Auto, Some(device)) if is_large => {
+                (Backend::Gpu, Some(device)) => rows.extend(device.rows(&case, &self.schedules)),
+                (Backend::Gpu, None) => {}
+                (Backend::Auto, Some(device)) if is_large => {
                     rows.extend(device.rows(&case, &[ScheduleChoice::Auto]));
                 }
                 _ => rows.push(case.on_cpu()),
             }
             for row in &mut rows[first..] {
-                row.backend = choice.name().to_owned();
+                row.backend = choice.name();
             }
         }
         Ok(rows)

@@ -1,112 +1,226 @@
-//! Tables of columns, and wrapped paragraphs, for a terminal.
+//! Tables of rows for a terminal, made from the fields of the rows.
 
-use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table};
-use std::borrow::Borrow;
+use serde::Deserialize;
+use serde::de::{Deserializer, MapAccess, Visitor};
+use std::fmt;
 
-/// Largest width of a table of numbers \[characters\].
-const TABLE_WIDTH: u16 = 150;
-/// Largest width of wrapped text \[characters\].
-const WIDTH: u16 = 120;
+/// Largest width of a table \[characters\].
+const WIDTH: usize = 150;
 
-/// A heading and the cell of a row.
-pub(crate) type Column<T> = (&'static str, fn(&T) -> String);
+/// The fields of a row in their order.
+#[derive(Debug, Clone)]
+pub(crate) struct Cells(Vec<(String, Option<Cell>)>);
 
-/// Returns a table without borders; columns are two spaces apart, numbers align right.
-fn new_table<T>(
-    columns: &[Column<T>],
-    rows: &[impl Borrow<T>],
-    texts: Option<(&str, Vec<String>)>,
-) -> Table {
-    let mut table = Table::new();
-    let (heading, texts) = texts.map_or((None, Vec::new()), |(h, texts)| (Some(h), texts));
-    let headings = columns.iter().map(|column| column.0);
-    table
-        .load_style(comfy_table::presets::NOTHING)
-        .set_content_arrangement(ContentArrangement::Dynamic)
-        .set_width(WIDTH);
-    if !columns.is_empty() {
-        table.set_header(headings.chain(heading));
-    }
-    let mut texts = texts.into_iter();
-    for row in rows {
-        let cells = columns.iter().map(|column| column.1(row.borrow()));
-        table.add_row(cells.chain(texts.next()));
-    }
-    for (i, column) in table.column_iter_mut().enumerate() {
-        column.set_padding((0, 2));
-        if columns.get(i).is_some_and(|column| !is_text(column, rows)) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    table
+/// A value of a field.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(untagged)]
+enum Cell {
+    Bool(bool),
+    Number(f64),
+    Text(String),
+    List(Vec<Option<Self>>),
+    Group(Cells),
 }
 
-/// Returns whether a cell of a column has a word.
-pub(crate) fn is_text<T>((_, cell): &Column<T>, rows: &[impl Borrow<T>]) -> bool {
-    let is_word = |text: &str| text.chars().filter(char::is_ascii_alphabetic).count() > 1;
-    rows.iter().any(|row| is_word(&cell(row.borrow())))
-}
+impl<'de> Deserialize<'de> for Cells {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        struct InOrder;
+        impl<'de> Visitor<'de> for InOrder {
+            type Value = Cells;
 
-/// Formats a table of rows.
-///
-/// A table wider than [`TABLE_WIDTH`] becomes several, each with the first column.
-pub(crate) fn text_table<T>(columns: &[Column<T>], rows: &[impl Borrow<T>]) -> String {
-    let mut table = new_table(columns, rows, None);
-    table.set_content_arrangement(ContentArrangement::Disabled);
-    let widths: Vec<u16> = (table.column_max_content_widths().iter())
-        .map(|width| width + 2)
-        .collect();
-    let mut text = String::new();
-    let mut next = 1;
-    while next < columns.len() || text.is_empty() {
-        let (first, mut used) = (next, widths[0]);
-        while next < columns.len() && (next == first || used + widths[next] <= TABLE_WIDTH + 2) {
-            used += widths[next];
-            next += 1;
-        }
-        for (i, column) in table.column_iter_mut().enumerate() {
-            column.remove_constraint();
-            if i > 0 && !(first..next).contains(&i) {
-                column.set_constraint(ColumnConstraint::Hidden);
+            fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+                out.write_str("an object")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Cells, A::Error> {
+                let mut cells = Vec::new();
+                while let Some(cell) = map.next_entry()? {
+                    cells.push(cell);
+                }
+                Ok(Cells(cells))
             }
         }
-        if !text.is_empty() {
+        from.deserialize_map(InOrder)
+    }
+}
+
+/// A row as text: headings and cells, and texts that are too long for a table.
+#[derive(Debug, Default)]
+struct TextRow {
+    cells: Vec<(String, String)>,
+    notes: Vec<String>,
+}
+
+impl TextRow {
+    fn new(row: &Cells) -> Self {
+        let mut text = Self::default();
+        text.add("", row);
+        text
+    }
+
+    fn add(&mut self, group: &str, cells: &Cells) {
+        for (name, cell) in &cells.0 {
+            let heading = format!("{group}{name}");
+            match cell {
+                Some(Cell::Group(cells)) => self.add(&format!("{heading}_"), cells),
+                Some(Cell::List(list)) => {
+                    let is_number = |cell: &Option<Cell>| matches!(cell, Some(Cell::Number(_)));
+                    if !list.iter().any(is_number) {
+                        self.cells.push((heading, list.len().to_string()));
+                        let texts = list.iter().map(|cell| text(cell.as_ref()));
+                        self.notes
+                            .extend(texts.map(|text| format!("{name}: {text}")));
+                    }
+                }
+                cell => self.cells.push((heading, text(cell.as_ref()))),
+            }
+        }
+    }
+
+    fn cell(&self, heading: &str) -> &str {
+        let of = self.cells.iter().find(|cell| cell.0 == heading);
+        of.map_or("-", |cell| &cell.1)
+    }
+}
+
+fn text(cell: Option<&Cell>) -> String {
+    match cell {
+        None => "-".to_owned(),
+        Some(Cell::Bool(is)) => if *is { "yes" } else { "no" }.to_owned(),
+        Some(Cell::Number(x)) => number(*x),
+        Some(Cell::Text(text)) => text.clone(),
+        Some(Cell::List(list)) => format!("{} entries", list.len()),
+        Some(Cell::Group(cells)) => {
+            let parts = cells
+                .0
+                .iter()
+                .map(|(name, cell)| (name, text(cell.as_ref())));
+            let parts: Vec<String> = parts.map(|(name, text)| format!("{name} {text}")).collect();
+            parts.join(", ")
+        }
+    }
+}
+
+/// Formats a number in few digits; whole numbers stay whole.
+pub(crate) fn number(x: f64) -> String {
+    if x.fract() == 0.0 && x.abs() < 1e15 {
+        return format!("{x}");
+    }
+    match x.abs() {
+        size if !(1e-3..1e6).contains(&size) => format!("{x:.3e}"),
+        size if size >= 100.0 => format!("{x:.1}"),
+        size if size >= 1.0 => format!("{x:.3}"),
+        _ => format!("{x:.4}"),
+    }
+}
+
+/// A column of a table.
+struct Column {
+    /// Broken at underscores.
+    heading: Vec<String>,
+    cells: Vec<String>,
+    width: usize,
+    is_text: bool,
+}
+
+impl Column {
+    fn new(heading: &str, rows: &[TextRow]) -> Self {
+        let cells: Vec<String> = rows
+            .iter()
+            .map(|row| row.cell(heading).to_owned())
+            .collect();
+        let longest = |texts: &[String]| texts.iter().map(|t| t.chars().count()).max().unwrap_or(0);
+        let width = longest(&cells);
+        let mut lines: Vec<String> = Vec::new();
+        for word in heading.split_inclusive('_') {
+            match lines.last_mut() {
+                Some(line) if line.len() + word.len() <= width => line.push_str(word),
+                _ => lines.push(word.to_owned()),
+            }
+        }
+        let has_word = |text: &String| text.chars().filter(char::is_ascii_alphabetic).count() > 1;
+        Self {
+            width: width.max(longest(&lines)),
+            heading: lines,
+            is_text: cells.iter().any(has_word),
+            cells,
+        }
+    }
+
+    /// Returns a line of the table, whose headings have `height` lines.
+    fn line(&self, line: usize, height: usize) -> String {
+        let text = match line.checked_sub(height) {
+            Some(row) => self.cells.get(row),
+            None => (line + self.heading.len())
+                .checked_sub(height)
+                .and_then(|line| self.heading.get(line)),
+        };
+        let (text, width) = (text.map_or("", String::as_str), self.width);
+        match self.is_text {
+            true => format!("{text:<width$}"),
+            false => format!("{text:>width$}"),
+        }
+    }
+}
+
+/// Formats rows as a table; fields of the same value in all rows are listed above it instead.
+///
+/// A table wider than [`WIDTH`] becomes several, each with the column of names.
+pub(crate) fn text_table(rows: &[Cells]) -> String {
+    let rows: Vec<TextRow> = rows.iter().map(TextRow::new).collect();
+    let mut headings: Vec<&str> = Vec::new();
+    for (heading, _) in rows.iter().flat_map(|row| &row.cells) {
+        if !headings.contains(&heading.as_str()) {
+            headings.push(heading);
+        }
+    }
+    let value = |heading: &str| rows.first().map_or("-", |row| row.cell(heading)).to_owned();
+    let is_same = |heading: &&str| rows.iter().all(|row| row.cell(heading) == value(heading));
+    let (same, varying): (Vec<&str>, Vec<&str>) = headings.into_iter().partition(is_same);
+    let mut text = String::new();
+    let mut width = 0;
+    for part in same
+        .iter()
+        .map(|heading| format!("{heading} {}, ", value(heading)))
+    {
+        width += part.len();
+        if width > WIDTH {
+            text.push('\n');
+            width = part.len();
+        }
+        text.push_str(&part);
+    }
+    let mut text = text.trim_end_matches(", ").to_owned() + "\n";
+    let name = Column::new("name", &rows);
+    let columns = varying.iter().filter(|heading| **heading != "name");
+    let columns: Vec<Column> = columns.map(|heading| Column::new(heading, &rows)).collect();
+    let mut rest = columns.as_slice();
+    while !rest.is_empty() {
+        let mut width = name.width;
+        let fits = rest.iter().take_while(|column| {
+            width += column.width + 2;
+            width <= WIDTH
+        });
+        let (now, later) = rest.split_at(fits.count().max(1));
+        rest = later;
+        let all: Vec<&Column> = [&name].into_iter().chain(now).collect();
+        let height = all.iter().map(|column| column.heading.len()).max();
+        let height = height.unwrap_or(0);
+        text.push('\n');
+        for line in 0..height + rows.len() {
+            let cells: Vec<String> = all.iter().map(|column| column.line(line, height)).collect();
+            text.push_str(cells.join("  ").trim_end());
             text.push('\n');
         }
-        text.extend([table.trim_fmt(), "\n".to_owned()]);
+    }
+    for row in &rows {
+        let notes = row
+            .notes
+            .iter()
+            .map(|note| format!("{}: {note}\n", row.cell("name")));
+        text.extend(notes);
     }
     text
-}
-
-/// Formats a table with a last column of wrapped text.
-pub(crate) fn table_with_text<T>(
-    columns: &[Column<T>],
-    rows: &[T],
-    heading: &str,
-    text: impl Fn(&T) -> String,
-) -> String {
-    let texts = rows.iter().map(text).collect();
-    let mut table = new_table(columns, rows, Some((heading, texts)));
-    for column in table.column_iter_mut().take(columns.len()) {
-        column.set_constraint(ColumnConstraint::ContentWidth);
-    }
-    table.trim_fmt() + "\n"
-}
-
-/// Wraps a text at [`WIDTH`]; its line breaks stay.
-pub(crate) fn paragraphs(text: &str) -> String {
-    let mut table = new_table::<()>(&[], &[(); 0], None);
-    table.add_row([text]);
-    if let Some(column) = table.column_mut(0) {
-        column.set_padding((0, 0));
-    }
-    table.trim_fmt() + "\n"
-}
-
-/// Formats a number of things.
-pub(crate) fn count(number: usize, name: &str) -> String {
-    let plural = if number == 1 { "" } else { "s" };
-    format!("{number} {name}{plural}")
 }
 
 #[cfg(test)]
@@ -114,43 +228,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_left_and_numbers_right() {
-        let columns: [Column<[&str; 2]>; 2] = [("a", |r| r[0].into()), ("10", |r| r[1].into())];
-        let text = text_table(&columns, &[["long", "9"], ["x", "4x1"]]);
-        assert_eq!(text, "a      10\nlong    9\nx     4x1\n");
-    }
-
-    #[test]
-    fn a_wide_table_is_folded() {
-        let wide: Column<&str> = ("n", |r| r.repeat(40));
-        let name: Column<&str> = ("name", |r| (*r).to_owned());
-        let columns = [name, wide, wide, wide, wide];
-        let text = text_table(&columns, &["1"]);
-        let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines.len(), 5, "two tables of two lines: {text}");
-        let widths = lines.iter().map(|line| line.len());
-        assert!(widths.max() <= Some(TABLE_WIDTH.into()), "{text}");
-        let counts = [1, 4].map(|k| lines[k].matches(&"1".repeat(40)).count());
-        assert_eq!(counts, [3, 1], "each column once");
-    }
-
-    #[test]
-    fn texts_are_wrapped_and_lose_no_word() {
-        let long = "word ".repeat(60) + "\nat: x";
-        let columns: [Column<(&str, &str)>; 1] = [("id", |row| row.0.to_owned())];
-        let rows = [("case", "law"), ("\u{3bb}", long.as_str())];
-        let text = table_with_text(&columns, &rows, "text", |row| row.1.to_owned());
-        let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines[1], "case  law", "{text}");
-        assert_eq!(lines.last(), Some(&"      at: x"));
-        assert!(
-            lines
-                .iter()
-                .all(|line| line.chars().count() <= WIDTH.into()),
-            "{text}"
-        );
-        assert_eq!(text.matches("word").count(), 60);
-        let wrapped = paragraphs(&long);
-        assert!(wrapped.ends_with("\nat: x\n") && wrapped.lines().all(|l| l.len() <= 120));
+    fn equal_fields_are_listed_once_and_the_rest_are_columns() {
+        let rows = [
+            r#"{"name":"a","seed":1,"ms":{"cut_all":0.5},"by_second":[1,2],"failures":[]}"#,
+            r#"{"name":"bc","seed":1,"ms":{"cut_all":null},"by_second":[3],"failures":["no"]}"#,
+        ];
+        let rows = rows.map(|row| serde_json::from_str(row).unwrap());
+        let expected = "seed 1\n
+name     ms_
+        cut_
+         all  failures
+a     0.5000         0
+bc         -         1
+bc: failures: no
+";
+        assert_eq!(text_table(&rows), expected);
     }
 }

@@ -1,12 +1,13 @@
-//! Workloads of the benches `cut`, `refine` and `step`: models, finer armadillos and spheres.
+//! Workloads of the benches `cut`, `refine`, `solver` and `step`: models, finer armadillos and
+//! shapes by formula.
 
 use crate::models::{self, Loaded};
 use crate::motion;
-use incise_mesh::{HalfEdge, Surface, TopologyError, cube_sphere};
+use crate::options::ModelArguments;
+use incise_mesh::{HalfEdge, Surface, TopologyError, cube_sphere, icosphere, torus};
 use incise_models::Model;
 use incise_pbd_gpu::{ConstraintError, Material, Solver};
 use std::error::Error;
-use std::path::Path;
 use std::rc::Rc;
 
 /// Squares along an edge of the cubes that spheres are projected from: subdivisions of Sphere768
@@ -14,6 +15,8 @@ use std::rc::Rc;
 const SPHERES: [u32; 5] = [16, 32, 64, 128, 330];
 /// Radius of the spheres \[m\], that of the models.
 const RADIUS: f64 = 0.5;
+/// Bodies of progressive cuts by default, of 30,000 triangles each.
+const PROGRESSIVE: [&str; 3] = ["Armadillo", "Sphere30000", "Torus30000"];
 
 /// A surface, built on demand because the largest are large.
 pub(crate) struct Workload {
@@ -30,6 +33,8 @@ enum Kind {
     Model(Rc<Loaded>, u32),
     /// A sphere and its squares along an edge.
     Sphere(u32),
+    /// A shape in the order of its formula.
+    Shape(fn() -> Surface),
 }
 
 impl Workload {
@@ -39,6 +44,7 @@ impl Workload {
     /// None: every workload is a surface.
     pub(crate) fn surface(&self) -> Result<Surface, TopologyError> {
         let mut surface = match &self.kind {
+            Kind::Shape(build) => return Ok(build()),
             Kind::Sphere(quads) => cube_sphere(*quads, RADIUS),
             Kind::Model(loaded, times) => {
                 let mut surface = loaded.surface.clone();
@@ -65,65 +71,102 @@ impl Workload {
         motion::start(&mut solver, &surface)?;
         Ok((surface, solver))
     }
+
+    /// Returns the subdivisions of a model up to a number of triangles; without `is_refined` the
+    /// model alone.
+    fn of_model(loaded: Loaded, is_refined: bool, max_triangles: usize) -> Vec<Self> {
+        let name = loaded.model.name();
+        let count = loaded.surface.topology().triangle_count();
+        let loaded = Rc::new(loaded);
+        let sizes = (0..).map(|times| (times, count.saturating_mul(4_usize.saturating_pow(times))));
+        let sizes = sizes.take_while(|&(times, triangles)| {
+            triangles <= max_triangles && (times == 0 || is_refined)
+        });
+        let workload = |(times, triangles)| Self {
+            name: match times {
+                0 => name.to_owned(),
+                _ => format!("{name}{triangles}"),
+            },
+            family: is_refined.then_some(name),
+            source: loaded.source.clone(),
+            triangles,
+            kind: Kind::Model(Rc::clone(&loaded), times),
+        };
+        sizes.map(workload).collect()
+    }
+
+    fn by_formula(
+        name: String,
+        family: Option<&'static str>,
+        triangles: usize,
+        kind: Kind,
+    ) -> Self {
+        Self {
+            name,
+            family,
+            source: models::BUILT_IN.to_owned(),
+            triangles,
+            kind,
+        }
+    }
 }
 
-/// Returns the workloads that `only` names, or all, of at most `max_triangles`.
+/// Returns the named workloads, or all, of at most `max_triangles`.
 ///
 /// # Errors
 /// A message for an unknown name, an unreadable file, or an empty list.
 pub(crate) fn workloads(
-    folder: Option<&Path>,
-    only: &[String],
+    arguments: &ModelArguments,
     max_triangles: usize,
 ) -> Result<Vec<Workload>, Box<dyn Error>> {
     let mut all = Vec::new();
-    for loaded in models::load(folder, &[])? {
-        let is_refined = loaded.model == Model::Armadillo;
-        let loaded = Rc::new(loaded);
-        let name = loaded.model.name();
-        let mut triangles = loaded.surface.topology().triangle_count();
-        for times in 0.. {
-            if triangles > max_triangles || times > 0 && !is_refined {
-                break;
-            }
-            all.push(Workload {
-                name: match times {
-                    0 => name.to_owned(),
-                    _ => format!("{name}{triangles}"),
-                },
-                family: is_refined.then_some(name),
-                source: loaded.source.clone(),
-                triangles,
-                kind: Kind::Model(Rc::clone(&loaded), times),
-            });
-            triangles = triangles.saturating_mul(4);
-        }
+    for model in Model::ALL {
+        let loaded = models::load_model(arguments.models.as_deref(), model)?;
+        let is_refined = model == Model::Armadillo;
+        all.extend(Workload::of_model(loaded, is_refined, max_triangles));
     }
     all.extend(SPHERES.into_iter().map(|quads| {
         let triangles = 12 * quads as usize * quads as usize;
-        Workload {
-            name: format!("Sphere{triangles}"),
-            family: Some("Sphere"),
-            source: models::BUILT_IN.to_owned(),
-            triangles,
-            kind: Kind::Sphere(quads),
-        }
+        let name = format!("Sphere{triangles}");
+        Workload::by_formula(name, Some("Sphere"), triangles, Kind::Sphere(quads))
     }));
-    let is = |workload: &Workload, name: &String| workload.name.eq_ignore_ascii_case(name.trim());
-    if let Some(name) = (only.iter()).find(|name| !all.iter().any(|w| is(w, name))) {
-        let names: Vec<&str> = all.iter().map(|w| w.name.as_str()).collect();
-        let names = names.join(", ");
-        return Err(format!("'{name}' is none of {names}, or above --max-triangles").into());
+    all.retain(|workload| workload.triangles <= max_triangles);
+    let named = models::named(all, |workload| workload.name.clone(), &arguments.only);
+    let all = named.map_err(|error| format!("{error}, or above --max-triangles"))?;
+    match all.is_empty() {
+        true => Err("no model is that small: raise --max-triangles".into()),
+        false => Ok(all),
     }
-    all.retain(|w| {
-        w.triangles <= max_triangles && (only.is_empty() || only.iter().any(|name| is(w, name)))
-    });
-    if all.is_empty() {
-        return Err("no model is that small: raise --max-triangles".into());
+}
+
+/// Returns the named bodies of progressive cuts: by default those of 30,000 triangles, in a long
+/// run all.
+///
+/// # Errors
+/// A message for an unknown name or an unreadable file.
+pub(crate) fn progressive_workloads(
+    arguments: &ModelArguments,
+    is_long: bool,
+) -> Result<Vec<Workload>, Box<dyn Error>> {
+    let mut all = Vec::new();
+    for model in Model::ALL {
+        let loaded = models::load_model(arguments.models.as_deref(), model)?;
+        all.extend(Workload::of_model(loaded, false, usize::MAX));
     }
-    let models = all.iter().filter(|w| matches!(w.kind, Kind::Model(..)));
-    models::warn_built_in(folder, models.map(|w| (w.name.as_str(), w.source.as_str())));
-    Ok(all)
+    type Shape = (&'static str, usize, fn() -> Surface);
+    let shapes: [Shape; 3] = [
+        ("Sphere30000", 30_000, || cube_sphere(50, RADIUS)),
+        ("Torus30000", 30_000, || torus(0.35, 0.15, 150, 100)),
+        ("Icosphere1280", 1280, || icosphere(3, RADIUS)),
+    ];
+    all.extend(shapes.map(|(name, triangles, build)| {
+        Workload::by_formula(name.to_owned(), None, triangles, Kind::Shape(build))
+    }));
+    let mut only = arguments.only.clone();
+    if only.is_empty() && !is_long {
+        only = PROGRESSIVE.map(str::to_owned).to_vec();
+    }
+    Ok(models::named(all, |workload| workload.name.clone(), &only)?)
 }
 
 /// Splits every triangle into four at the midpoints of its edges.
@@ -157,26 +200,6 @@ fn subdivide(surface: &Surface) -> Result<Surface, TopologyError> {
 mod tests {
     use super::*;
     use incise_models::build_model;
-
-    #[test]
-    fn workloads_are_found_by_name_and_size() {
-        let names = |only: &[&str], most| -> Vec<String> {
-            let only: Vec<String> = only.iter().map(|&s| s.to_owned()).collect();
-            let all = workloads(None, &only, most).unwrap();
-            all.into_iter().map(|w| w.name).collect()
-        };
-        assert_eq!(
-            names(&["sphere3072", "SPHERE20"], 5000),
-            ["Sphere20", "Sphere3072"]
-        );
-        let armadillos = ["Armadillo", "Armadillo120000"];
-        assert_eq!(names(&armadillos, 1_400_000), armadillos);
-        assert!(workloads(None, &["cow".to_owned()], 5000).is_err());
-        assert!(workloads(None, &[], 10).is_err(), "nothing is left");
-        let sphere = workloads(None, &["Sphere3072".to_owned()], 5000).unwrap();
-        let (surface, _) = sphere[0].body(Solver::new).unwrap();
-        assert_eq!(surface.topology().triangle_count(), 3072);
-    }
 
     #[test]
     fn subdivision_keeps_the_volume() {

@@ -92,7 +92,6 @@ const ALLOWED: [(&str, &[&str]); 19] = [
             "incise-refine",
             "incise-cut",
             "incise-pbd-gpu",
-            "incise-render",
             "incise-scene",
             "incise-progress",
             "incise-reference",

@@ -3,13 +3,9 @@
 //! The global step keeps the factor of the uncut body in use for some frames. So each frame is also
 //! repeated with a factor of its own, made in that frame.
 
-mod printout;
-#[cfg(test)]
-mod tests;
-
+use super::AccuracyOutput;
 use super::convergence::Trajectory;
 use super::error::distance;
-use super::plot::PlotFiles;
 use super::scene::{Body, DT, Scene};
 use super::scenes;
 use incise_cut::{CutParams, Cutter, Sweep};
@@ -18,8 +14,6 @@ use incise_reference::{Model, ReferenceError, State, Stepper};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::error::Error;
-use std::io::Write;
-use std::path::Path;
 use std::time::Instant;
 
 /// Frames of the global step before the cut, in runs whose errors are measured: all start from the
@@ -29,9 +23,6 @@ const FRAMES_BEFORE: u32 = 10;
 const FRAMES: usize = 20;
 /// Runs whose times are taken.
 const REPEATS: usize = 7;
-/// Largest error of a frame over that with a factor of its own at which a factor is as good.
-const RECOVERED: f64 = 1.5;
-
 /// A way to step the body after the cut; an iteration of the global step takes about as long as
 /// ten of sweeps.
 const SCHEMES: [(&str, Scheme, u32); 3] = [
@@ -40,11 +31,11 @@ const SCHEMES: [(&str, Scheme, u32); 3] = [
     ("auto", Scheme::Auto, 8),
 ];
 
-/// A row: a frame after the cut by one scheme. Errors are of positions, over the mean rest length.
+/// A frame after the cut by one scheme. Errors are of positions: root mean squares over vertices,
+/// weighted by mass, over the mean rest length.
 #[derive(Debug, Clone, Serialize)]
-pub(super) struct FrameRow {
-    /// The report reads rows with a field `scene` as runs of the accuracy bench.
-    body: &'static str,
+struct FrameRow {
+    kind: &'static str,
     triangles: usize,
     solver: &'static str,
     iterations: u32,
@@ -62,8 +53,6 @@ pub(super) struct FrameRow {
     drift: Option<f64>,
     /// Frames since the constraints of the factor in use were copied; none without one.
     factor_age: Option<u32>,
-    machine: String,
-    commit: String,
 }
 
 /// States of a run after the cut.
@@ -75,33 +64,15 @@ struct Run {
     ages: Vec<Option<u32>>,
 }
 
-/// Measures the bodies, prints and returns the rows.
-pub(super) fn run(
-    (machine, commit): (&str, &str),
-    plots: Option<&Path>,
-    out: &mut impl Write,
-) -> Result<Vec<FrameRow>, Box<dyn Error>> {
-    let mut rows = Vec::new();
+/// Measures the bodies, prints and writes the rows.
+pub(super) fn run(output: &mut AccuracyOutput<'_>) -> Result<(), Box<dyn Error>> {
     for scene in scenes::hung_models() {
-        let mut plot = match plots {
-            Some(folder) => {
-                let name = format!("after-cut-{}", scene.name);
-                Some(PlotFiles::open(folder, &name, "cpu")?)
-            }
-            None => None,
-        };
-        let mut found = measure(&scene, FRAMES, REPEATS)?;
-        for row in &mut found {
-            (row.machine, row.commit) = (machine.to_owned(), commit.to_owned());
+        for row in measure(&scene, FRAMES, REPEATS)? {
+            output.cpu_row(scene.name, &row)?;
         }
-        printout::scene(out, &found)?;
-        out.flush()?;
-        if let Some(plot) = &mut plot {
-            plot.write(&found, &printout::charts(&found))?;
-        }
-        rows.append(&mut found);
+        output.table()?;
     }
-    Ok(rows)
+    Ok(())
 }
 
 fn params(scene: &Scene, (scheme, iterations): (Scheme, u32)) -> SolverParams {
@@ -147,7 +118,7 @@ fn measure(scene: &Scene, frames: usize, repeats: usize) -> Result<Vec<FrameRow>
             };
             let to_restarted = |state: &State| Some(error(state, restarted.as_ref()?));
             rows.push(FrameRow {
-                body: scene.name,
+                kind: "after_cut",
                 triangles,
                 solver: name,
                 iterations: *iterations,
@@ -158,8 +129,6 @@ fn measure(scene: &Scene, frames: usize, repeats: usize) -> Result<Vec<FrameRow>
                 motion: to_restarted(&run.states[k]),
                 drift: exact.get(k).map(|exact| error(&run.states[k + 1], exact)),
                 factor_age: run.ages[k],
-                machine: String::new(),
-                commit: String::new(),
             });
         }
     }

@@ -2,11 +2,13 @@
 
 use super::error::distance;
 use super::scene::{Body, DT, Scene, Scheme};
-use crate::work_precision::FLOOR_SUBSTEPS;
 use incise_reference::{Model, ReferenceError, State, Stepper};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::time::Instant;
+
+/// Numbers of substeps whose converged second-order steps give floors of errors.
+pub(super) const FLOOR_SUBSTEPS: [u32; 4] = [1, 2, 4, 8];
 
 /// The state at the end of every frame.
 pub(super) type Trajectory = Vec<State>;

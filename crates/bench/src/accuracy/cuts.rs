@@ -1,19 +1,18 @@
 //! Errors and times of cuts: volumes and sections of round bodies against closed forms.
 
-use crate::numbers::{exponent, fixed};
-use crate::statistics::median;
-use crate::text_table::{Column, paragraphs, text_table};
-use incise_cut::{CutMethod, CutOutcome, CutParams, Cutter, ExactParams, PaperParams, Sweep};
+use super::AccuracyOutput;
+use crate::measure::{Budget, measure};
+use incise_cut::{
+    CutError, CutMethod, CutOutcome, CutParams, Cutter, ExactParams, PaperParams, Sweep,
+};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{Surface, TriangleId, Vec3, cube_sphere, torus};
 use serde::Serialize;
 use std::error::Error;
 use std::f64::consts::PI;
-use std::io::Write;
-use std::time::Instant;
 
 /// Repetitions of every cut; the median counts.
-const REPEATS: usize = 9;
+const REPEATS: u32 = 9;
 /// The sphere's radius, and the plane's distance from its center \[m\].
 const SPHERE: [f64; 2] = [0.5, 0.2];
 /// The torus's radii \[m\].
@@ -23,16 +22,10 @@ const ACROSS_SPHERE: [f64; 3] = [0.36, 0.48, 0.8];
 /// Any plane through the axis y cuts a torus into equal halves.
 const ACROSS_TORUS: [f64; 3] = [0.8, 0.0, 0.6];
 
-/// Explains the columns.
-const LEGEND: &str = "\
-volume, area: relative errors of the piece above the plane and of the section to the closed form; \
-mesh: of the body before the cut; lost: volume change by the cut. off plane: largest distance of a \
-cap vertex from the plane [m].";
-
 /// A row: a shape, a resolution and a cut method.
 #[derive(Debug, Clone, Serialize)]
-pub(super) struct CutRow {
-    shape: &'static str,
+struct CutRow {
+    kind: &'static str,
     triangles: usize,
     method: &'static str,
     snap: Option<f64>,
@@ -48,8 +41,6 @@ pub(super) struct CutRow {
     area_error: f64,
     /// Largest distance of a cap vertex from the plane \[m\].
     distance: f64,
-    machine: String,
-    commit: String,
 }
 
 /// A round body and the plane that cuts it.
@@ -64,35 +55,14 @@ struct Shape {
     area: f64,
 }
 
-/// Cuts every body at every resolution, prints and returns the rows.
-pub(super) fn run(
-    machine: &str,
-    commit: &str,
-    out: &mut impl Write,
-) -> Result<Vec<CutRow>, Box<dyn Error>> {
-    let methods = [None, Some(0.0), Some(0.05), Some(0.1), Some(0.2)];
-    let mut rows = Vec::new();
+/// Cuts every body at every resolution, prints and writes the rows.
+pub(super) fn run(output: &mut AccuracyOutput<'_>) -> Result<(), Box<dyn Error>> {
     for shape in shapes() {
-        for snap in methods {
-            let (name, method) = match snap {
-                Some(snap) => ("exact", CutMethod::Exact(ExactParams { snap, remesh: 0.0 })),
-                None => ("paper", CutMethod::Paper(PaperParams::default())),
-            };
-            let params = CutParams {
-                method,
-                ..CutParams::default()
-            };
-            let mut row = shape.measure(&params)?;
-            row.method = name;
-            row.snap = snap;
-            row.machine = machine.to_owned();
-            row.commit = commit.to_owned();
-            rows.push(row);
+        for snap in [None, Some(0.0), Some(0.05), Some(0.1), Some(0.2)] {
+            output.cpu_row(shape.name, &shape.measure(snap)?)?;
         }
     }
-    write!(out, "{}", text_table(COLUMNS, &rows))?;
-    write!(out, "{}", paragraphs(LEGEND))?;
-    Ok(rows)
+    Ok(output.table()?)
 }
 
 fn shapes() -> Vec<Shape> {
@@ -122,19 +92,26 @@ fn shapes() -> Vec<Shape> {
 }
 
 impl Shape {
-    fn measure(&self, params: &CutParams) -> Result<CutRow, Box<dyn Error>> {
+    /// Cuts by the exact method with a snap distance, or by the paper's.
+    fn measure(&self, snap: Option<f64>) -> Result<CutRow, Box<dyn Error>> {
+        let (name, method) = match snap {
+            Some(snap) => ("exact", CutMethod::Exact(ExactParams { snap, remesh: 0.0 })),
+            None => ("paper", CutMethod::Paper(PaperParams::default())),
+        };
+        let params = CutParams {
+            method,
+            ..CutParams::default()
+        };
         let n: [f64; 3] = self.normal.into();
         let sweep = Sweep::from_plane(n, self.offset, &self.surface.bounds())?;
-        let mut times = Vec::new();
         let mut done: Option<(Surface, CutOutcome)> = None;
-        for _ in 0..REPEATS {
+        let times = measure(&Budget::runs(REPEATS), |times| {
             let mut surface = self.surface.clone();
             let mut cutter = Cutter::new(&surface);
-            let begin = Instant::now();
-            let outcome = cutter.cut(&mut surface, &sweep, params)?;
-            times.push(begin.elapsed().as_secs_f64() * 1e3);
+            let outcome = times.time(|| cutter.cut(&mut surface, &sweep, &params))?;
             done = Some((surface, outcome));
-        }
+            Ok::<(), CutError>(())
+        })?;
         let (after, outcome) = done.ok_or("there are no repeats")?;
         let triangles = |surface: &Surface| surface.topology().triangles().collect::<Vec<_>>();
         let height = |p: Vec3| self.normal.dot(&p) - self.offset;
@@ -157,18 +134,16 @@ impl Shape {
             .flat_map(|&t| after.triangle_positions(t))
             .fold(0.0, |far: f64, p| far.max(height(p).abs()));
         Ok(CutRow {
-            shape: self.name,
+            kind: "cut",
             triangles: self.surface.topology().triangle_count(),
-            method: "",
-            snap: None,
-            ms: median(times),
+            method: name,
+            snap,
+            ms: times.median() * 1e3,
             volume_error: (above - self.volumes[1]).abs() / self.volumes[1],
             mesh_error: (before - self.volumes[0]).abs() / self.volumes[0],
             lost_volume: (both - before).abs() / before,
             area_error: (area / 2.0 - self.area).abs() / self.area,
             distance,
-            machine: String::new(),
-            commit: String::new(),
         })
     }
 }
@@ -181,21 +156,6 @@ fn volume(surface: &Surface, triangles: impl Iterator<Item = TriangleId>) -> f64
     triangles.map(cone).sum()
 }
 
-const COLUMNS: &[Column<CutRow>] = &[
-    ("shape", |row| row.shape.to_owned()),
-    ("method", |row| row.method.to_owned()),
-    ("snap", |row| {
-        row.snap.map_or_else(String::new, |snap| snap.to_string())
-    }),
-    ("triangles", |row| row.triangles.to_string()),
-    ("ms", |row| fixed(row.ms, 3)),
-    ("volume", |row| exponent(Some(row.volume_error))),
-    ("mesh", |row| exponent(Some(row.mesh_error))),
-    ("lost", |row| exponent(Some(row.lost_volume))),
-    ("area", |row| exponent(Some(row.area_error))),
-    ("off plane", |row| exponent(Some(row.distance))),
-];
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -206,14 +166,7 @@ mod tests {
             .into_iter()
             .filter(|s| s.surface.topology().triangle_count() < 5000)
         {
-            let params = CutParams {
-                method: CutMethod::Exact(ExactParams {
-                    snap: 0.0,
-                    ..ExactParams::default()
-                }),
-                ..CutParams::default()
-            };
-            let row = shape.measure(&params).unwrap();
+            let row = shape.measure(Some(0.0)).unwrap();
             assert!(row.lost_volume < 1e-6, "{row:?}");
             assert!(row.distance < 1e-6, "{row:?}");
             // Flat triangles lie inside of the round body: of second order in their size, as the

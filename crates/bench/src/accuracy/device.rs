@@ -1,7 +1,8 @@
 //! Times the motion of a scene on a GPU.
 
-use super::run::{Run, Times, timed};
+use super::run::{GpuTimes, Run, timed};
 use super::scene::{Body, DT};
+use crate::measure::Times;
 use incise_pbd_gpu::{AdapterRequest, GpuBackend, GpuError, SolverParams};
 use incise_reference::State;
 use std::time::Instant;
@@ -38,7 +39,7 @@ impl Device {
         params: &SolverParams,
         frames: u32,
     ) -> Result<Run, GpuError> {
-        let run = timed(|times, states| self.repeat(body, params, frames, times, states));
+        let run = timed(|times, gpu, states| self.repeat(body, params, frames, times, gpu, states));
         // After an error the next run starts on a new device.
         if run.is_err()
             && let Ok(gpu) = GpuBackend::new(&self.request)
@@ -54,6 +55,7 @@ impl Device {
         params: &SolverParams,
         frames: u32,
         times: &mut Times,
+        gpu_times: &mut GpuTimes,
         mut states: Option<&mut Vec<State>>,
     ) -> Result<u64, GpuError> {
         let Body {
@@ -68,10 +70,10 @@ impl Device {
             let begin = Instant::now();
             let stats = self.gpu.step([(place, &mut solver)], DT, params)?;
             projections = stats.stretch_projections + stats.bending_projections;
-            times.encode.push(begin.elapsed().as_secs_f64());
+            gpu_times.encode.0.push(begin.elapsed().as_secs_f64());
             self.gpu.wait()?;
-            times.frames.push(begin.elapsed().as_secs_f64());
-            times.device.extend(self.gpu.step_seconds()?);
+            times.0.push(begin.elapsed().as_secs_f64());
+            gpu_times.device.0.extend(self.gpu.step_seconds()?);
             if let Some(states) = states.as_deref_mut() {
                 self.gpu.read(place, &mut surface, &mut solver)?;
                 states.push(State::of(&solver, &surface));

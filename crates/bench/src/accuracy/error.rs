@@ -1,12 +1,12 @@
 //! Errors of a motion against a reference motion.
 
 use super::scene::DT;
-use crate::work_precision::Row;
 use incise_reference::{Model, State};
 use nalgebra::Vector3;
+use serde::Serialize;
 
 /// Errors over all frame ends.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize)]
 pub(super) struct Errors {
     /// Mass-weighted root mean square position error, over the mean rest length.
     pub(super) position: f64,
@@ -24,32 +24,6 @@ pub(super) struct Errors {
     pub(super) energy: f64,
     /// Relative error of the sag; none without pins or gravity.
     pub(super) sag: Option<f64>,
-}
-
-impl Errors {
-    /// Stores the errors to the converged step of the same size.
-    pub(super) fn store_solver(self, row: &mut Row) {
-        row.solver_position = Some(self.position);
-        row.solver_farthest = Some(self.farthest);
-        row.solver_force = self.force;
-        row.solver_strain = Some(self.strain);
-        row.solver_largest_strain = Some(self.largest_strain);
-        row.solver_volume = self.volume;
-        row.solver_energy = Some(self.energy);
-        row.solver_sag = self.sag;
-    }
-
-    /// Stores the errors to the limit of small steps.
-    pub(super) fn store_total(self, row: &mut Row) {
-        row.total_position = Some(self.position);
-        row.total_farthest = Some(self.farthest);
-        row.total_force = self.force;
-        row.total_strain = Some(self.strain);
-        row.total_largest_strain = Some(self.largest_strain);
-        row.total_volume = self.volume;
-        row.total_energy = Some(self.energy);
-        row.total_sag = self.sag;
-    }
 }
 
 /// Computes errors of one scene.

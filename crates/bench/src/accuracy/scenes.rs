@@ -78,7 +78,7 @@ fn hung(name: &'static str, stretch: f32) -> Result<Scene, Box<dyn Error>> {
 
 /// A bar pinned at one end, with a volume constraint or without.
 fn pinned_bar(name: &'static str, volume: Option<Volume>) -> Result<Scene, Box<dyn Error>> {
-    let surface = bar([16, 4, 4], 0.0625)?;
+    let surface = bar([16, 4, 4], 0.0625);
     let pins = vertices_where(&surface, |[x, _, _]| x == 0.0);
     Ok(Scene {
         pins,
@@ -139,7 +139,7 @@ fn ribbon() -> Result<Scene, Box<dyn Error>> {
 
 /// A bar stretched by a tenth between pinned ends and cut through.
 fn cut() -> Result<Scene, Box<dyn Error>> {
-    let mut surface = bar([16, 4, 4], 0.0625)?;
+    let mut surface = bar([16, 4, 4], 0.0625);
     move_all(&mut surface, |[x, y, z]| [1.1 * x, y, z]);
     let pins = vertices_where(&surface, |[x, _, _]| x == 0.0 || x > 1.09);
     let sweep = Sweep::from_plane([1.0, 0.3, 0.2], 0.75, &surface.bounds())?;

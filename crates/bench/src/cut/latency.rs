@@ -5,12 +5,12 @@
 //! the way of the next slices. Caps are uniform.
 
 use super::body::{CutBody, Outcomes};
-use super::row::{Latency, Stamp};
 use super::times::Times;
 use incise_cut::{CutParams, Sweep};
 use incise_mesh::{TriangleId, Vec3, cube_sphere};
 use incise_models::scenes::Directions;
 use incise_refine::RefineParams;
+use serde::Serialize;
 use std::error::Error;
 
 /// Name of the ball.
@@ -28,6 +28,24 @@ const ATTEMPTS: u32 = 100;
 /// Numbers of cuts after which slices are measured, besides the last.
 const STAGES: [u32; 3] = [1, 100, 1000];
 
+/// Cuts with about equal hits, of a body with many earlier cuts.
+#[derive(Debug, Serialize)]
+pub(super) struct Row {
+    kind: &'static str,
+    cuts_before: u32,
+    triangles: usize,
+    pieces: u32,
+    pub(super) probes: usize,
+    hits: f64,
+    hits_from: f64,
+    hits_to: f64,
+    pub(super) failures: Vec<String>,
+    ms_median: Times,
+    ms_p99: Times,
+    /// 99th percentile of the total, relative to the first stage.
+    p99_ratio: f64,
+}
+
 /// Returns a row for every stage up to `cuts`.
 ///
 /// # Errors
@@ -35,10 +53,10 @@ const STAGES: [u32; 3] = [1, 100, 1000];
 pub(super) fn measure(
     params: &CutParams,
     cuts: u32,
-    stamp: &Stamp,
-) -> Result<Vec<Latency>, Box<dyn Error>> {
+    seed: u64,
+) -> Result<Vec<Row>, Box<dyn Error>> {
     let mut body = CutBody::new(cube_sphere(QUADS, 0.5))?;
-    let mut directions = Directions(stamp.seed);
+    let mut directions = Directions(seed);
     // The ball keeps its piece number: it has the most triangles.
     let piece = body.surface.piece(TriangleId(0));
     // With coarser caps, no slice would hit as many triangles after a few hundred others.
@@ -50,13 +68,9 @@ pub(super) fn measure(
         },
         ..*params
     };
-    let stamp = &Stamp {
-        grading: 0.0,
-        ..stamp.clone()
-    };
     let bounds = body.surface.bounds();
     let mut near = body.surface.piece_bound();
-    let mut rows: Vec<Latency> = Vec::new();
+    let mut rows: Vec<Row> = Vec::new();
     for cut in 1..=cuts {
         let Some((normal, d)) = slice(&body, piece, &mut directions) else {
             return Err(format!("after {cut} cuts no slice hits {HITS} triangles").into());
@@ -78,10 +92,10 @@ pub(super) fn measure(
             let plane = [normal.x, normal.y, normal.z, d];
             body.probe((&sweep, plane), &params, &mut outcomes)?;
         }
-        let [ms_median, ms_p99] = Times::summary(&outcomes.times);
+        let [ms_median, ms_p99] = [50, 99].map(|p| Times::percentile(&outcomes.times, p));
         let first = rows.first().map_or(ms_p99, |row| row.ms_p99);
-        rows.push(Latency {
-            model: MODEL.to_owned(),
+        rows.push(Row {
+            kind: "latency",
             cuts_before: cut,
             triangles: body.surface.topology().triangle_count(),
             pieces: body.surface.piece_bound(),
@@ -92,8 +106,7 @@ pub(super) fn measure(
             failures: outcomes.failures,
             ms_median,
             ms_p99,
-            p99_ratio: ms_p99.total / first.total,
-            stamp: stamp.clone(),
+            p99_ratio: ms_p99.total() / first.total(),
         });
     }
     Ok(rows)

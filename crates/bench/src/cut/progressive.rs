@@ -3,23 +3,18 @@
 //! A step is one mean edge length. It is timed as a frame of a scene does it: refit of the BVH of a
 //! body in motion, [`incise_cut::Cutter::advance`], and the update of the solver's constraints.
 
-mod bodies;
 mod incised_body;
-pub(crate) mod row;
 mod strokes;
 
-use super::CutArguments;
-use super::row::{Record, Stamp};
 use super::times::Times;
-use crate::json::Json;
+use super::{CutArguments, CutOutput};
 use crate::statistics::{mean, median};
-use crate::text_table::{paragraphs, text_table};
-use bodies::NewBody;
+use crate::workload::{Workload, progressive_workloads};
 use incise_cut::CutParams;
+use incise_mesh::Surface;
 use incised_body::{IncisedBody, Step};
-use row::{Failure, Row};
+use serde::Serialize;
 use std::error::Error;
-use std::io::Write;
 use strokes::{Planes, StrokeKind, Strokes};
 
 /// Steps that cut, in a row of the default run.
@@ -45,18 +40,81 @@ struct Plan {
     is_long: bool,
 }
 
-/// Measures all bodies, prints and writes the records.
+/// Steps of a blade through one body, stroke after stroke.
+#[derive(Debug, Serialize)]
+struct Row {
+    kind: &'static str,
+    source: String,
+    /// The kinds of strokes: `drag`, `press` or both in turns.
+    strokes: String,
+    /// Whether the planes of the strokes are `parallel` or `crossing`.
+    planes: &'static str,
+    /// Whether the body is `still` or `turning`.
+    motion: String,
+    triangles: usize,
+    triangles_at_end: usize,
+    /// Number of bodies, one after the other.
+    bodies: usize,
+    stroke_count: usize,
+    /// Steps that cut.
+    steps: usize,
+    /// Steps without a cut, outside of the body or too short.
+    missed: usize,
+    /// Triangles of all walls.
+    wall_triangles: usize,
+    /// Triangles of both walls of a step, median.
+    wall_triangles_median: f64,
+    ms_median: Times,
+    ms_p90: Times,
+    ms_p99: Times,
+    ms_max: Times,
+    /// Mean times of the steps of the first and of the last tenth \[ms\], and their ratio.
+    first_ms: f64,
+    last_ms: f64,
+    growth: f64,
+    /// Mean wall triangles of the steps of the first and of the last tenth.
+    first_wall_triangles: f64,
+    last_wall_triangles: f64,
+    /// Time of a call with the blade inside and unmoved, median \[us\].
+    us_standing: f64,
+    failures: Vec<Failure>,
+}
+
+/// Refused steps of one kind.
+#[derive(Debug, Serialize)]
+struct Failure {
+    /// The error's name.
+    kind: String,
+    count: usize,
+    /// Place and message of the first.
+    first: String,
+}
+
+impl Failure {
+    /// Counts a failure.
+    fn add(all: &mut Vec<Self>, kind: &str, first: impl FnOnce() -> String) {
+        if let Some(known) = all.iter_mut().find(|failure| failure.kind == kind) {
+            known.count += 1;
+        } else {
+            all.push(Self {
+                kind: kind.to_owned(),
+                count: 1,
+                first: first(),
+            });
+        }
+    }
+}
+
+/// Measures all bodies, prints and writes the rows.
 ///
 /// With `--steps`, that many in all are distributed over ten bodies, in crossing planes.
 pub(super) fn run(
     arguments: &CutArguments,
     params: &CutParams,
-    stamp: &Stamp,
-    json: &mut Json,
-    out: &mut impl Write,
+    mut output: CutOutput<'_>,
 ) -> Result<(), Box<dyn Error>> {
-    let (folder, steps) = (arguments.from.models.as_deref(), arguments.steps);
-    let bodies = bodies::load(folder, &arguments.only, steps.is_some())?;
+    let steps = arguments.steps;
+    let bodies = progressive_workloads(&arguments.models, steps.is_some())?;
     let plans: Vec<Plan> = match steps {
         Some(steps) => vec![Plan {
             kinds: &StrokeKind::ALL,
@@ -79,33 +137,29 @@ pub(super) fn run(
             each.collect()
         }
     };
-    let mut records = Vec::new();
-    let progress = arguments.rows.progress(bodies.len() * plans.len(), 1);
+    let (mut steps, mut failures) = (0, 0);
+    let progress = output.progress(bodies.len() * plans.len(), 1);
     for body in &bodies {
+        let surface = body.surface()?;
         for plan in &plans {
             progress.begin(&body.name);
-            let measured = Measured::new(body, plan, params, stamp.seed)?;
-            let row = measured.into_row(body, plan, stamp);
-            records.push(Record::Progressive(Box::new(row)));
+            let seed = output.parameters.seed;
+            let measured = Measured::new(&body.name, &surface, plan, params, seed)?;
+            let row = measured.into_row(body, &surface, plan);
+            steps += row.steps;
+            failures += row
+                .failures
+                .iter()
+                .map(|failure| failure.count)
+                .sum::<usize>();
+            output.cpu_row(&body.name, &row)?;
             progress.step();
-            // An interrupted run keeps its rows; the last write reports a failure.
-            let _ = json.write(&records);
         }
     }
     progress.end();
-    let rows: Vec<&Row> = records.iter().filter_map(Record::progressive).collect();
-    write!(out, "{}", text_table(row::COLUMNS, &rows))?;
-    write!(out, "{}", paragraphs(row::LEGEND))?;
-    for row in &rows {
-        for Failure { kind, count, first } in &row.failures {
-            let text = format!("{}: {count} times {kind}, first in {first}.", row.model);
-            write!(out, "{}", paragraphs(&text))?;
-        }
-    }
-    let steps: usize = rows.iter().map(|row| row.steps).sum();
-    let failures: usize = rows.iter().map(|row| row.failure_count()).sum();
-    writeln!(out, "Failed: {failures} of {} steps.", steps + failures)?;
-    Ok(json.write(&records)?)
+    output.table()?;
+    let line = format_args!("Failed: {failures} of {} steps.", steps + failures);
+    Ok(output.print(line)?)
 }
 
 /// Measurements of the strokes through one body, or through copies of it.
@@ -129,14 +183,15 @@ impl Measured {
     /// # Errors
     /// An error of the solver, or a message if strokes no longer meet the body.
     fn new(
-        new: &NewBody,
+        name: &str,
+        surface: &Surface,
         plan: &Plan,
         params: &CutParams,
         seed: u64,
     ) -> Result<Self, Box<dyn Error>> {
         let mut all = Self::default();
         let mut path = Strokes::new(plan.planes, seed);
-        let triangles = new.surface.topology().triangle_count();
+        let triangles = surface.topology().triangle_count();
         let mut idle = 0;
         let mut body = None;
         while all.steps.len() < plan.steps {
@@ -144,7 +199,7 @@ impl Measured {
                 Some(own) => own,
                 None => {
                     all.bodies += 1;
-                    body.insert(IncisedBody::new(new.surface.clone())?)
+                    body.insert(IncisedBody::new(surface.clone())?)
                 }
             };
             let before = all.steps.len();
@@ -155,7 +210,7 @@ impl Measured {
                 idle + 1
             };
             if idle > MAX_IDLE_STROKES {
-                return Err(format!("{}: no stroke cuts the body any more", new.name).into());
+                return Err(format!("{}: no stroke cuts the body any more", name).into());
             }
             all.triangles_at_end = own.surface().topology().triangle_count();
             let limit = MAX_GROWTH * triangles + MIN_GROWTH;
@@ -210,14 +265,14 @@ impl Measured {
         Ok(valid.is_ok())
     }
 
-    fn into_row(self, body: &NewBody, plan: &Plan, stamp: &Stamp) -> Row {
+    fn into_row(self, body: &Workload, surface: &Surface, plan: &Plan) -> Row {
         let times: Vec<Times> = self.steps.iter().map(|step| step.times).collect();
         let walls = self.steps.iter().map(|step| step.wall_triangles as f64);
         let walls: Vec<f64> = walls.collect();
         let decile = times.len() / 10;
         let ends = [0..decile, times.len() - decile..times.len()];
         let [first_ms, last_ms] = ends.clone().map(|part| {
-            let totals: Vec<f64> = times[part].iter().map(|t| t.total).collect();
+            let totals: Vec<f64> = times[part].iter().map(Times::total).collect();
             mean(&totals)
         });
         let [first_walls, last_walls] = ends.map(|part| mean(&walls[part]));
@@ -225,12 +280,12 @@ impl Measured {
         let motion = |turns: &bool| if *turns { "turning" } else { "still" };
         let motions: Vec<&str> = plan.motions.iter().map(motion).collect();
         Row {
-            model: body.name.clone(),
+            kind: "progressive",
             source: body.source.clone(),
             strokes: kinds.join(", "),
-            planes: plan.planes.name().to_owned(),
+            planes: plan.planes.name(),
             motion: motions.join(", "),
-            triangles: body.surface.topology().triangle_count(),
+            triangles: surface.topology().triangle_count(),
             triangles_at_end: self.triangles_at_end,
             bodies: self.bodies,
             stroke_count: self.strokes,
@@ -249,7 +304,6 @@ impl Measured {
             last_wall_triangles: last_walls,
             us_standing: median(self.standing),
             failures: self.failures,
-            stamp: stamp.clone(),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Cross-sections of a model, triangulated repeatedly, timed and judged.
 
-use super::row::{Row, Stamp};
+use super::Parameters;
+use crate::measure::{Budget, measure};
 use crate::statistics::{mean, median, percentile, sorted};
 use crate::workload::Workload;
 use incise_cut::{CutMethod, CutParams, Cutter, ExactParams};
@@ -10,8 +11,8 @@ use incise_refine::{
     RefineError, RefineParams, RefinementLevel, Section, SectionMesh, SectionMeshParams,
     SectionMeshScratch, SectionMeshSize, triangulate_section,
 };
+use serde::Serialize;
 use std::error::Error;
-use std::time::Instant;
 
 /// Repetitions per section; the fastest counts.
 const REPEATS: u32 = 5;
@@ -36,6 +37,34 @@ pub(super) struct Sections {
     failures: Vec<String>,
 }
 
+/// Section meshes of one model at one level.
+#[derive(Debug, Serialize)]
+pub(super) struct Row {
+    source: String,
+    /// `middle`: the plane through the middle; `seeded`: seeded planes.
+    planes: &'static str,
+    /// Refinement level z.
+    level: f64,
+    pub(super) meshes: usize,
+    rim_points: f64,
+    triangles: f64,
+    triangulation_ms: f64,
+    refinement_ms: f64,
+    million_triangles_a_second: f64,
+    smallest_angle: f64,
+    /// Of sections without a corner below 40 degrees.
+    smallest_angle_free: f64,
+    rim_angle: f64,
+    angle_5: f64,
+    angle_5_worst: f64,
+    angle_median: f64,
+    edge_mean: f64,
+    edge_longest: f64,
+    long_edges: usize,
+    /// Errors of sections that could not be cut or triangulated.
+    pub(super) failures: Vec<String>,
+}
+
 /// Cuts a workload by the plane through its middle and by seeded ones, at every level.
 ///
 /// # Errors
@@ -44,7 +73,7 @@ pub(super) fn cut(
     workload: &Workload,
     levels: &[RefinementLevel],
     planes: u32,
-    stamp: &Stamp,
+    parameters: &Parameters,
 ) -> Result<Vec<Sections>, Box<dyn Error>> {
     let mut surface = workload.surface()?;
     let mut cutter = Cutter::new(&surface);
@@ -52,18 +81,18 @@ pub(super) fn cut(
     for &level in levels {
         let params = CutParams {
             method: CutMethod::Exact(ExactParams {
-                snap: stamp.snap,
+                snap: parameters.snap,
                 ..ExactParams::default()
             }),
             refine: RefineParams {
                 level,
-                grading: stamp.grading,
+                grading: parameters.grading,
                 ..RefineParams::default()
             },
             ..CutParams::default()
         };
         let middle = vec![RelativePlane::middle()];
-        let seeded = RelativePlane::seeded(stamp.seed, planes);
+        let seeded = RelativePlane::seeded(parameters.seed, planes);
         for (name, planes) in [("middle", middle), ("seeded", seeded)] {
             if planes.is_empty() {
                 continue;
@@ -125,13 +154,13 @@ impl CutSection {
         params: &SectionMeshParams<'_>,
         scratch: &mut SectionMeshScratch,
     ) -> Result<(f64, SectionMesh), RefineError> {
-        let (mut best, mut mesh) = (f64::INFINITY, SectionMesh::default());
-        for _ in 0..REPEATS {
-            let begin = Instant::now();
-            mesh = triangulate_section(&self.section(), params, |_, _| false, scratch)?;
-            best = best.min(begin.elapsed().as_secs_f64() * 1e3);
-        }
-        Ok((best, mesh))
+        let mut mesh = SectionMesh::default();
+        let times = measure(&Budget::runs(REPEATS), |times| {
+            let section = self.section();
+            mesh = times.time(|| triangulate_section(&section, params, |_, _| false, scratch))?;
+            Ok::<(), RefineError>(())
+        })?;
+        Ok((times.min() * 1e3, mesh))
     }
 }
 
@@ -140,7 +169,11 @@ impl Sections {
     ///
     /// # Errors
     /// [`RefineError`] of a section.
-    pub(super) fn measure(self, workload: &Workload, stamp: &Stamp) -> Result<Row, RefineError> {
+    pub(super) fn measure(
+        self,
+        workload: &Workload,
+        parameters: &Parameters,
+    ) -> Result<Row, RefineError> {
         let mut scratch = SectionMeshScratch::default();
         let mut failures = self.failures;
         let (mut triangulation, mut both) = (Vec::new(), Vec::new());
@@ -150,7 +183,7 @@ impl Sections {
         for section in &self.sections {
             let params = |size| SectionMeshParams {
                 size,
-                grading: stamp.grading,
+                grading: parameters.grading,
                 ..SectionMeshParams::default()
             };
             let target = params(SectionMeshSize::Local(&section.lengths));
@@ -178,11 +211,10 @@ impl Sections {
         let seconds = both.iter().sum::<f64>() / 1e3;
         let refinement = both.iter().zip(&triangulation).map(|(a, b)| a - b);
         Ok(Row {
-            model: workload.name.clone(),
             source: workload.source.clone(),
-            planes: self.planes.to_owned(),
+            planes: self.planes,
             level: self.level.z(),
-            covers: both.len(),
+            meshes: both.len(),
             rim_points: median(points),
             million_triangles_a_second: triangles.iter().sum::<f64>() / seconds / 1e6,
             triangles: median(triangles),
@@ -198,7 +230,6 @@ impl Sections {
             edge_longest: edges.last().copied().unwrap_or(f64::NAN),
             long_edges,
             failures,
-            stamp: stamp.clone(),
         })
     }
 }

@@ -1,12 +1,12 @@
 //! A workload at the start of every measurement, and its row.
 
-use super::row::{Measured, Row};
-use crate::clock::{self, Budget, FrameTimes};
+use crate::measure::{FrameTimes, Length, measure_frames};
 use crate::workload::Workload;
 use incise_mesh::Surface;
 #[cfg(feature = "gpu")]
 use incise_pbd_gpu::PatchParams;
 use incise_pbd_gpu::{Solver, SolverParams, StepError};
+use serde::Serialize;
 use std::error::Error;
 
 /// Length of a frame \[s\].
@@ -16,9 +16,7 @@ pub(super) const DT: f32 = 1.0 / 60.0;
 pub(super) struct Setup {
     pub(super) params: SolverParams,
     pub(super) bodies: u32,
-    pub(super) budget: Budget,
-    pub(super) machine: String,
-    pub(super) commit: String,
+    pub(super) length: Length,
 }
 
 /// A workload with its solver.
@@ -29,14 +27,69 @@ pub(super) struct Case<'a> {
     solver: Solver,
 }
 
-/// The backend of a row.
-pub(super) struct Origin<'a> {
+/// A row with its backend and GPU; no GPU for the CPU.
+pub(super) struct CaseRow {
     pub(super) backend: &'static str,
-    pub(super) device: &'a str,
-    pub(super) driver: Option<&'a str>,
-    pub(super) schedule: &'static str,
+    pub(super) device: Option<String>,
+    pub(super) row: Row,
+}
+
+/// Frames of a model on one backend and schedule.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Row {
+    source: String,
+    /// Of one body, like vertices and constraints.
+    triangles: usize,
+    vertices: usize,
+    constraints: usize,
+    /// Driver of the GPU; none on the CPU.
+    driver: Option<String>,
+    /// GPU schedule; `colors` on the CPU.
+    schedule: &'static str,
     /// Whether the backend chooses this schedule.
-    pub(super) chosen: bool,
+    chosen: bool,
+    /// None for a refusal.
+    #[serde(flatten)]
+    measured: Option<Measured>,
+    /// The error of a measurement.
+    refusal: Option<String>,
+}
+
+/// Measurements of all bodies together.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Measured {
+    /// Dispatches of a frame; none on the CPU.
+    pub(super) dispatches: Option<u32>,
+    /// Number of timed frames, in batches.
+    frames: u32,
+    ms_per_frame: f64,
+    ms_latency: f64,
+    frames_per_second: f64,
+    projections_per_second: f64,
+    /// Upload of a frame without edits.
+    pub(super) bytes_uploaded: u64,
+    /// Upload before the first frame.
+    pub(super) bytes_uploaded_at_start: u64,
+    /// Time of the schedule `colors` on the same GPU over this time.
+    speed_up_over_colors: Option<f64>,
+    /// Time of the CPU over this time.
+    speed_up_over_cpu: Option<f64>,
+}
+
+/// Sets the speed-ups of one model's rows.
+pub(super) fn compare(rows: &mut [CaseRow]) {
+    let time = |backend: &str| {
+        let mut rows = rows.iter();
+        let row = rows.find(|of| of.backend == backend && of.row.schedule == "colors")?;
+        row.row.measured.as_ref().map(|m| m.ms_per_frame)
+    };
+    let [cpu, colors] = ["cpu", "gpu"].map(time);
+    for of in rows.iter_mut().filter(|of| of.device.is_some()) {
+        if let Some(measured) = &mut of.row.measured {
+            measured.speed_up_over_cpu = cpu.map(|ms| ms / measured.ms_per_frame);
+            measured.speed_up_over_colors = colors.map(|ms| ms / measured.ms_per_frame);
+        }
+    }
 }
 
 impl<'a> Case<'a> {
@@ -103,37 +156,33 @@ impl<'a> Case<'a> {
     }
 
     /// Returns a row; the error of a measurement becomes its refusal.
-    pub(super) fn row(&self, origin: &Origin<'_>, measured: Result<Measured, String>) -> Row {
+    pub(super) fn row(
+        &self,
+        driver: Option<&str>,
+        (schedule, chosen): (&'static str, bool),
+        measured: Result<Measured, String>,
+    ) -> Row {
         let (measured, refusal) = match measured {
             Ok(measured) => (Some(measured), None),
             Err(error) => (None, Some(error)),
         };
         Row {
-            model: self.workload.name.clone(),
             source: self.workload.source.clone(),
             triangles: self.surface.topology().triangle_count(),
             vertices: self.surface.topology().vertex_count(),
             constraints: self.constraints(),
-            bodies: self.setup.bodies,
-            backend: origin.backend.to_owned(),
-            device: origin.device.to_owned(),
-            driver: origin.driver.map(str::to_owned),
-            schedule: origin.schedule.to_owned(),
-            chosen: origin.chosen,
-            iterations: self.setup.params.iterations,
-            substeps: self.setup.params.substeps,
+            driver: driver.map(str::to_owned),
+            schedule,
+            chosen,
             measured,
             refusal,
-            machine: self.setup.machine.clone(),
-            commit: self.setup.commit.clone(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
         }
     }
 
     /// Measures the workload on the CPU.
-    pub(super) fn on_cpu(&self) -> Row {
+    pub(super) fn on_cpu(&self) -> CaseRow {
         let mut bodies = self.bodies();
-        let times = clock::frame_times(self.setup.budget, |frames| {
+        let times = measure_frames(self.setup.length, |frames| {
             for _ in 0..frames {
                 for (surface, solver) in &mut bodies {
                     solver.step(surface, DT, &self.setup.params)?;
@@ -141,14 +190,12 @@ impl<'a> Case<'a> {
             }
             Ok::<(), StepError>(())
         });
-        let origin = Origin {
-            backend: "cpu",
-            device: &self.setup.machine,
-            driver: None,
-            schedule: "colors",
-            chosen: true,
-        };
         let measured = times.map(|times| self.measured(&times));
-        self.row(&origin, measured.map_err(|error| error.to_string()))
+        let measured = measured.map_err(|error| error.to_string());
+        CaseRow {
+            backend: "cpu",
+            device: None,
+            row: self.row(None, ("colors", true), measured),
+        }
     }
 }

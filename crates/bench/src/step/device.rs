@@ -1,9 +1,8 @@
 //! Frames on a GPU.
 
 use super::ScheduleChoice;
-use super::case::{Case, DT, Origin};
-use super::row::{Measured, Row};
-use crate::clock;
+use super::case::{Case, CaseRow, DT, Measured};
+use crate::measure::measure_frames;
 use incise_pbd_gpu::{
     AdapterKind, AdapterRequest, AdapterSummary, GpuBackend, GpuBody, GpuError, PatchParams,
     Schedule, SolverParams,
@@ -81,33 +80,26 @@ impl Device {
     }
 
     /// Measures a case under the given schedules, or under all that it fits.
-    pub(super) fn rows(&mut self, case: &Case<'_>, asked: &[ScheduleChoice]) -> Vec<Row> {
+    pub(super) fn rows(&mut self, case: &Case<'_>, asked: &[ScheduleChoice]) -> Vec<CaseRow> {
         let schedules = if asked.is_empty() { &SCHEDULES } else { asked };
         let mut rows = Vec::new();
         for &choice in schedules {
-            let refusal = match self.measure(case, choice) {
-                Ok(Some(found)) => {
-                    let origin = self.origin(found.schedule.name(), found.chosen);
-                    rows.push(case.row(&origin, Ok(found.measured)));
-                    continue;
-                }
+            let (schedule, measured) = match self.measure(case, choice) {
+                Ok(Some(found)) => ((found.schedule.name(), found.chosen), Ok(found.measured)),
                 Ok(None) if asked.is_empty() => continue,
-                Ok(None) => "the body does not fit this schedule".to_owned(),
-                Err(error) => error.to_string(),
+                Ok(None) => {
+                    let refusal = "the body does not fit this schedule".to_owned();
+                    ((choice.name(), false), Err(refusal))
+                }
+                Err(error) => ((choice.name(), false), Err(error.to_string())),
             };
-            rows.push(case.row(&self.origin(choice.name(), false), Err(refusal)));
+            rows.push(CaseRow {
+                backend: "gpu",
+                device: Some(self.adapter.name.clone()),
+                row: case.row(Some(&self.adapter.driver), schedule, measured),
+            });
         }
         rows
-    }
-
-    fn origin(&self, schedule: &'static str, chosen: bool) -> Origin<'_> {
-        Origin {
-            backend: "gpu",
-            device: &self.adapter.name,
-            driver: Some(&self.adapter.driver),
-            schedule,
-            chosen,
-        }
     }
 
     /// Measures one schedule; none if the body does not fit it.
@@ -167,7 +159,7 @@ impl Device {
             }
         }
         let mut at_start = None;
-        let times = clock::frame_times(case.setup.budget, |frames| {
+        let times = measure_frames(case.setup.length, |frames| {
             for _ in 0..frames {
                 let solvers = bodies.iter_mut().map(|(_, solver)| solver);
                 let all = places.iter().copied().zip(solvers);
@@ -181,15 +173,14 @@ impl Device {
         for (&place, (surface, solver)) in places.iter().zip(&mut bodies) {
             gpu.read(place, surface, solver)?;
         }
+        let mut measured = case.measured(&times);
+        measured.dispatches = Some(stats.dispatches);
+        measured.bytes_uploaded = stats.bytes_uploaded;
+        measured.bytes_uploaded_at_start = at_start.unwrap_or(0);
         Ok(Some(ScheduleResult {
             schedule: forced,
             chosen: forced == own,
-            measured: Measured {
-                dispatches: Some(stats.dispatches),
-                bytes_uploaded: stats.bytes_uploaded,
-                bytes_uploaded_at_start: at_start.unwrap_or(0),
-                ..case.measured(&times)
-            },
+            measured,
         }))
     }
 }

@@ -10,40 +10,74 @@
 //! stay on the GPU. The time of a cut includes readback and upload. Errors are sampled before each
 //! slice, where the body is read back anyway.
 
-use super::TableArguments;
-use super::row::Row;
-use crate::allocations;
-use crate::frame_rates::FrameRates;
+use super::Parameters;
+use super::paper::PaperRow;
+use crate::measure::{Times, allocations};
 use crate::models::Loaded;
 use crate::motion;
-use crate::statistics::{mean, percentile, sorted};
+use crate::statistics::mean;
 use incise_cut::Sweep;
-use incise_mesh::geometry::{area_vector, round_to_f32, to_f32};
+use incise_mesh::geometry::{area_vector, to_f32};
 use incise_mesh::{AngleStats, Surface, Vec3};
 use incise_models::scenes::Directions;
-use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Volume};
+use incise_pbd_gpu::{InteriorSprings, Material, Volume};
 use incise_scene::{
-    BackendRequest, BladeId, BladeMode, Body, BodyId, ContactParams, FrameStats, Scene, SceneError,
-    SceneParams,
+    BackendRequest, BladeId, BladeMode, Body, BodyId, FrameStats, Scene, SceneError,
 };
+use serde::Serialize;
 use std::error::Error;
 use std::time::{Duration, Instant};
 
 /// Distance of the idle blade from the body, in diagonals of its box.
 const HOVER: f64 = 100.0;
 
+/// A row of the table.
+#[derive(Debug, Serialize)]
+pub(super) struct Row {
+    source: String,
+    vertices: usize,
+    particles: usize,
+    triangles: usize,
+    /// Triangles after the last cut of PBD + CS.
+    triangles_after: usize,
+    /// GPU schedule at the start; none on the CPU.
+    schedule: Option<&'static str>,
+    /// Mean upload and readback of a frame with a cut; none on the CPU.
+    bytes_uploaded_a_cut: Option<f64>,
+    bytes_read_a_cut: Option<f64>,
+    /// Whether sweeps outside of the body's box are skipped.
+    skips_far_sweeps: bool,
+    pbd_fps: f64,
+    pbd_cs_fps: f64,
+    fps_difference_percent: f64,
+    cut_ms_mean: f64,
+    cut_ms_p99: f64,
+    paper: PaperRow,
+    /// How many times better than the paper.
+    gain: PaperRow,
+    cuts: usize,
+    cuts_refused: Vec<String>,
+    stretch_error_percent: f64,
+    volume_error_percent: f64,
+    /// The smallest angle of all cap triangles.
+    cap_min_angle_deg: f64,
+    /// Heap allocations of all frames without a cut, except the first of a run.
+    allocations: usize,
+    /// Frame rate of every simulated second; none for a second without a timed frame.
+    pbd_fps_by_second: Vec<Option<f64>>,
+    pbd_cs_fps_by_second: Vec<Option<f64>>,
+}
+
 /// Measurements of a run.
 #[derive(Default)]
 struct Run {
-    /// Timed frames.
-    frames: u32,
-    work: Duration,
-    rates: FrameRates,
+    /// Work of every frame \[s\]; NaN for one that is not timed.
+    work: Times,
     device: Option<String>,
     schedule: Option<&'static str>,
     bytes_uploaded: Vec<f64>,
     bytes_read: Vec<f64>,
-    cut_ms: Vec<f64>,
+    cuts: Times,
     refused: Vec<String>,
     stretch_error: f64,
     /// Number of samples.
@@ -54,9 +88,21 @@ struct Run {
     triangles_after: usize,
 }
 
+/// Returns frames per second of the timed frames; none if no frame is timed.
+fn rate(work: &[f64]) -> Option<f64> {
+    let timed = work.iter().filter(|seconds| seconds.is_finite());
+    let sum: f64 = timed.clone().sum();
+    (sum > 0.0).then(|| timed.count() as f64 / sum)
+}
+
 impl Run {
     fn fps(&self) -> f64 {
-        f64::from(self.frames) / self.work.as_secs_f64()
+        rate(&self.work.0).unwrap_or(f64::NAN)
+    }
+
+    /// Returns the frame rates of every simulated second of some frames.
+    fn fps_by_second(&self, frames: u32) -> Vec<Option<f64>> {
+        self.work.0.chunks(frames as usize).map(rate).collect()
     }
 
     fn sample(&mut self, body: &Body) {
@@ -70,73 +116,62 @@ impl Run {
     }
 }
 
-/// Runs both halves of the protocol; calls `tick` after every frame.
-pub(crate) fn run(
+/// Runs both halves of the protocol; calls `tick` after every frame. Returns the GPU, if any, and
+/// the row.
+pub(super) fn run(
     loaded: &Loaded,
-    arguments: &TableArguments,
+    parameters: &Parameters,
     request: &BackendRequest,
-    machine: &str,
-    commit: &str,
     tick: &dyn Fn(),
-) -> Result<Row, Box<dyn Error>> {
-    let pbd = run_scene(loaded, arguments, request, false, tick)?;
-    let cs = run_scene(loaded, arguments, request, true, tick)?;
-    let cut_ms = sorted(cs.cut_ms.clone());
-    Ok(Row {
-        model: loaded.model.name().to_owned(),
+) -> Result<(Option<String>, Row), Box<dyn Error>> {
+    let pbd = run_scene(loaded, parameters, request, false, tick)?;
+    let cs = run_scene(loaded, parameters, request, true, tick)?;
+    let a_second = nearest(1.0 / parameters.dt).max(1);
+    let paper = PaperRow::of(loaded.model);
+    let ours = PaperRow {
+        pbd_fps: pbd.fps(),
+        pbd_cs_fps: cs.fps(),
+        fps_difference_percent: (1.0 - cs.fps() / pbd.fps()) * 100.0,
+        cut_ms: mean(&cs.cuts.0) * 1e3,
+    };
+    let is_on_gpu = pbd.device.is_some();
+    let row = Row {
         source: loaded.source.clone(),
         vertices: loaded.vertices,
         particles: loaded.surface.topology().vertex_count(),
         triangles: loaded.surface.topology().triangle_count(),
         triangles_after: cs.triangles_after,
-        backend: arguments.backend.name().to_owned(),
-        bytes_uploaded_a_cut: pbd.device.is_some().then(|| mean(&cs.bytes_uploaded)),
-        bytes_read_a_cut: pbd.device.is_some().then(|| mean(&cs.bytes_read)),
-        skips_far_sweeps: pbd.device.is_some(),
-        schedule: pbd.schedule.map(str::to_owned),
+        schedule: pbd.schedule,
+        bytes_uploaded_a_cut: is_on_gpu.then(|| mean(&cs.bytes_uploaded)),
+        bytes_read_a_cut: is_on_gpu.then(|| mean(&cs.bytes_read)),
+        skips_far_sweeps: is_on_gpu,
+        pbd_fps: ours.pbd_fps,
+        pbd_cs_fps: ours.pbd_cs_fps,
+        fps_difference_percent: ours.fps_difference_percent,
+        cut_ms_mean: ours.cut_ms,
+        cut_ms_p99: cs.cuts.percentile(99) * 1e3,
+        gain: paper.gain(&ours),
+        paper,
+        cuts: cs.cuts.0.len(),
         stretch_error_percent: cs.mean_stretch_error().max(pbd.mean_stretch_error()) * 100.0,
-        device: pbd.device.clone().unwrap_or_else(|| machine.to_owned()),
-        pbd_fps: pbd.fps(),
-        pbd_cs_fps: cs.fps(),
-        pbd_fps_by_second: pbd.rates.per_second(),
-        pbd_cs_fps_by_second: cs.rates.per_second(),
-        fps_difference_percent: (1.0 - cs.fps() / pbd.fps()) * 100.0,
-        cut_ms_mean: mean(&cut_ms),
-        cut_ms_p99: percentile(&cut_ms, 99),
-        cuts: cut_ms.len(),
-        cuts_refused: cs.refused,
         volume_error_percent: cs.volume_error * 100.0,
         cap_min_angle_deg: cs.cap_min_angle,
         allocations: pbd.allocations + cs.allocations,
-        machine: machine.to_owned(),
-        commit: commit.to_owned(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        dt: arguments.dt,
-        iterations: arguments.iterations,
-        seconds: arguments.seconds,
-        method: arguments.caps.method.name().to_owned(),
-        level: arguments.caps.level.z(),
-        grading: arguments.caps.grading,
-        seed: arguments.seed,
-        volume: arguments.volume,
-        interior_springs: arguments.interior_springs,
-        contacts: arguments.contacts,
-    })
-}
-
-/// Returns the number of frames of a run.
-pub(crate) fn frames(arguments: &TableArguments) -> u32 {
-    whole(arguments.seconds / arguments.dt)
+        pbd_fps_by_second: pbd.fps_by_second(a_second),
+        pbd_cs_fps_by_second: cs.fps_by_second(a_second),
+        cuts_refused: cs.refused,
+    };
+    Ok((pbd.device, row))
 }
 
 fn run_scene(
     loaded: &Loaded,
-    arguments: &TableArguments,
+    parameters: &Parameters,
     request: &BackendRequest,
     cutting: bool,
     tick: &dyn Fn(),
 ) -> Result<Run, Box<dyn Error>> {
-    let (mut scene, body) = set_up(loaded, arguments, request)?;
+    let (mut scene, body) = set_up(loaded, parameters, request)?;
     let report = scene.backend_report();
     let on_device = report.gpu_bodies.contains(&body);
     scene.params.skip_far_sweeps = on_device;
@@ -147,20 +182,21 @@ fn run_scene(
         scene.set_blade_mode(blade, BladeMode::FullSlices)?;
     }
     let volume = rest_volume(scene.body(body)?.surface());
-    let a_second = whole(1.0 / arguments.dt).max(1);
-    let mut directions = Directions(arguments.seed);
+    let a_second = nearest(1.0 / parameters.dt).max(1);
+    let mut directions = Directions(parameters.seed);
     let mut run = Run {
         device: report.adapter.filter(|_| on_device),
         cap_min_angle: f64::INFINITY,
-        rates: FrameRates::new(frames(arguments), a_second),
+        // Recording allocates nothing.
+        work: Times(Vec::with_capacity(parameters.frames() as usize)),
         ..Run::default()
     };
     // A failed slice is repeated in the next frame with the next direction.
     let mut due = false;
-    for frame in 1..=frames(arguments) {
+    for frame in 1..=parameters.frames() {
         due |= cutting && frame % a_second == 0;
         let slices = due;
-        let before = allocations::count();
+        let before = allocations();
         let mut readback = Duration::ZERO;
         if on_device && (slices || frame % a_second == 0) {
             // The sweep follows from the body's positions.
@@ -197,10 +233,9 @@ fn run_scene(
         scene.wait_for_gpu()?;
         work += begin.elapsed();
         if frame > 1 || !on_device {
-            run.work += work;
-            run.rates.record(frame, work);
-            run.frames += 1;
+            run.work.0.push(work.as_secs_f64());
         } else {
+            run.work.0.push(f64::NAN);
             run.schedule = schedule(scene.stats());
         }
         if let Some(blade) = blade.filter(|_| slices) {
@@ -215,7 +250,7 @@ fn run_scene(
             due = scene.stats().cuts == 0;
             scene.teleport_blade(blade, hover(diagonal, frame))?;
         } else if frame > 1 {
-            run.allocations += allocations::count() - before;
+            run.allocations += allocations() - before;
         }
         if !on_device {
             run.sample(scene.body(body)?);
@@ -244,39 +279,19 @@ fn schedule(stats: &FrameStats) -> Option<&'static str> {
 
 fn set_up(
     loaded: &Loaded,
-    arguments: &TableArguments,
+    parameters: &Parameters,
     request: &BackendRequest,
 ) -> Result<(Scene, BodyId), Box<dyn Error>> {
-    let mut scene = Scene::with_backend(params(arguments), request)?;
+    let mut scene = Scene::with_backend(parameters.scene(), request)?;
     let material = Material {
-        volume: arguments.volume.then(Volume::default),
-        interior_springs: arguments.interior_springs.then(InteriorSprings::default),
+        volume: parameters.volume.then(Volume::default),
+        interior_springs: parameters.interior_springs.then(InteriorSprings::default),
         ..motion::material()
     };
     let body = scene.add_body(loaded.surface.clone(), &material)?;
     let (solver, surface) = scene.edit(body)?.solver_mut();
     motion::start(solver, surface)?;
     Ok((scene, body))
-}
-
-/// Returns the parameters of the scene.
-pub(crate) fn params(arguments: &TableArguments) -> SceneParams {
-    SceneParams {
-        dt: round_to_f32(arguments.dt),
-        solver: SolverParams {
-            iterations: arguments.iterations,
-            gravity: [0.0; 3],
-            ..SolverParams::paper()
-        },
-        cut: arguments.caps.params(),
-        // The paper tests every triangle in every frame.
-        skip_far_sweeps: false,
-        // Checkpoints would add a readback to timed frames.
-        checkpoint: 0,
-        contacts: arguments.contacts.then(ContactParams::default),
-        // The paper has no sleep.
-        sleep: None,
-    }
 }
 
 /// Puts the blade at the start of a sweep through the middle of the largest piece; returns the
@@ -337,7 +352,7 @@ fn after_slice(
     run.refused.extend(refusals.map(|r| r.error.to_string()));
     for _ in 0..stats.cuts {
         let cost = stats.cutting() + readback;
-        run.cut_ms.push(cost.as_secs_f64() * 1e3);
+        run.cuts.0.push(cost.as_secs_f64());
         run.bytes_uploaded.push(stats.bytes_uploaded as f64);
         run.bytes_read.push(stats.bytes_read as f64);
     }
@@ -360,11 +375,12 @@ fn rest_volume(surface: &Surface) -> f64 {
     surface.rest_volume_of(surface.topology().triangles())
 }
 
+/// Rounds a positive number.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a saturating cast of a positive number"
 )]
-fn whole(x: f64) -> u32 {
+pub(super) fn nearest(x: f64) -> u32 {
     x.round() as u32
 }

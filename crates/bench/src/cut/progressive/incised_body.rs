@@ -103,11 +103,7 @@ impl IncisedBody {
         self.solver.apply_delta(&mut self.surface, &outcome.delta)?;
         let (constraints, total) = (follow.elapsed(), begin.elapsed());
         Ok(Ok(Some(Step {
-            times: Times {
-                refit: refit.as_secs_f64() * 1e3,
-                total: total.as_secs_f64() * 1e3,
-                ..Times::new(&outcome.report, constraints)
-            },
+            times: Times::new(&outcome.report, constraints).with_refit(refit, total),
             wall_triangles: outcome.cap.len(),
         })))
     }

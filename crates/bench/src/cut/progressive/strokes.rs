@@ -188,23 +188,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn parallel_strokes_turn_with_the_body() {
-        let ball = icosphere(3, 0.5);
-        let planes = |angle| {
-            let mut strokes = Strokes::new(Planes::Parallel, 1);
-            [(); 5].map(|()| strokes.next(StrokeKind::Press, &ball, angle))
-        };
-        for (still, turned_stroke) in planes(0.0).iter().zip(planes(0.7)) {
-            let normal = |stroke: &Stroke| {
-                let across = stroke.ends[1] - stroke.ends[0];
-                across.cross(&stroke.along).normalize()
-            };
-            let expected = turned(normal(still), 0.7);
-            assert!((normal(&turned_stroke) - expected).norm() < 1e-12);
-            let first = normal(&planes(0.0)[0]);
-            assert!((normal(still) - first).norm() < 1e-12, "parallel");
-        }
-    }
 }
