@@ -1,6 +1,6 @@
-"""Draws error against time of a frame, from the results of `incise-bench accuracy --plot`.
+"""Draws error against time of a frame, from the results of `incise-bench accuracy --json`.
 
-    python accuracy.py [--results DIR] [--scenes bunny drop] [-o accuracy.png]
+    python accuracy.py [--results FILE] [--scenes bunny drop] [-o accuracy.png]
 
 Points are combinations of substeps and iterations, lines the work-precision Pareto front of each
 scheme: no other combination has a smaller error in less time. References are solved to convergence
@@ -10,7 +10,7 @@ in 64 bits.
 from __future__ import annotations
 
 import argparse
-import csv
+import json
 from pathlib import Path
 
 import matplotlib
@@ -19,7 +19,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
 
-RESULTS = Path(__file__).parents[2] / "bench/results/epyc-2-threads/accuracy"
+RESULTS = Path(__file__).parents[2] / "bench/results/epyc-2-threads/accuracy.jsonl"
 PAPER = "the paper's (PBD, one substep)"
 LABELS = {
     PAPER: PAPER,
@@ -33,17 +33,20 @@ LABELS = {
 }
 
 
-def read_runs(path: Path) -> dict[str, list[tuple[float, float]]]:
-    """Returns milliseconds a frame and total error [mean edges] of the runs of each scheme."""
-    runs: dict[str, list[tuple[float, float]]] = {}
-    with path.open(newline="") as file:
-        for row in csv.DictReader(file):
-            # A run that did not stay finite has no error.
-            if row["ms_per_frame"] and row["total_position"]:
-                run = (float(row["ms_per_frame"]), float(row["total_position"]))
-                is_paper = row["scheme"] == "pbd" and row["substeps"] == "1"
-                runs.setdefault(PAPER if is_paper else row["scheme"], []).append(run)
-    return runs
+def read_scenes(path: Path) -> dict[str, dict[str, list[tuple[float, float]]]]:
+    """Returns milliseconds a frame and total error [mean edges] of runs, by scene and scheme."""
+    scenes: dict[str, dict[str, list[tuple[float, float]]]] = {}
+    for line in path.read_text().splitlines():
+        row = json.loads(line)
+        error = (row.get("total") or {}).get("position")
+        # A run that did not stay finite has no error.
+        if row.get("kind") == "run" and row["ms_per_frame"] and error:
+            is_paper = row["scheme"] == "pbd" and row["substeps"] == 1
+            runs = scenes.setdefault(row["name"], {})
+            runs.setdefault(PAPER if is_paper else row["scheme"], []).append(
+                (row["ms_per_frame"], error)
+            )
+    return scenes
 
 
 def pareto_front(runs: list[tuple[float, float]]) -> list[tuple[float, float]]:
@@ -70,17 +73,17 @@ def main() -> None:
     parser.add_argument("--scenes", nargs="*")
     parser.add_argument("-o", "--output", default="accuracy.png")
     arguments = parser.parse_args()
-    files = [path for path in sorted(arguments.results.glob("*.csv")) if path.stem != "ranks"]
-    scenes = [path for path in files if not arguments.scenes or path.stem in arguments.scenes]
+    known = read_scenes(arguments.results)
+    scenes = {name: runs for name, runs in known.items() if name in (arguments.scenes or known)}
     if not scenes:
-        known = ", ".join(path.stem for path in files) or "none"
-        parser.error(f"no such scenes in {arguments.results}; there are: {known}")
+        names = ", ".join(known) or "none"
+        parser.error(f"no such scenes in {arguments.results}; there are: {names}")
     columns = min(4, len(scenes))
     rows = -(-len(scenes) // columns)
     size = (4 * columns, 3.4 * rows)
     figure, grid = plt.subplots(rows, columns, figsize=size, squeeze=False, layout="constrained")
-    for axes, path in zip(grid.flat, scenes):
-        draw_scene(axes, path.stem, read_runs(path))
+    for axes, (name, runs) in zip(grid.flat, scenes.items()):
+        draw_scene(axes, name, runs)
     for axes in grid.flat[len(scenes) :]:
         axes.set_axis_off()
     figure.legend(*grid[0][0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
