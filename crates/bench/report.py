@@ -14,6 +14,7 @@ import argparse
 import base64
 import io
 import json
+import re
 import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -399,10 +400,20 @@ def step_figures(sources: list[Source]) -> Iterable[tuple[str, Figure]]:
 
 def stability_figures(sources: list[Source]) -> Iterable[tuple[str, Figure]]:
     for source in sources:
-        cells = of_kind(source.rows, "cell")
+        cells = [map_cell(row) for row in of_kind(source.rows, "cell")]
         for backend in dict.fromkeys(cell["backend"] for cell in cells):
             of = [cell for cell in cells if cell["backend"] == backend]
             yield f"Stability map, {backend}: {source.title}", stability_map(of)
+
+
+def map_cell(row: Row) -> Row:
+    """Returns a run of the map with its load, time step and compliance as numbers."""
+    found = re.match(r"1/([\d.]+) s, 1e(-?\d+) m/N, load ([\d.e+-]+)", row.get("at", ""))
+    if not found:
+        return row
+    steps, compliance, load = found.groups()
+    rate = round(2 * float(np.log10(float(steps))))
+    return {**row, "rate": rate, "compliance": int(compliance), "ratio": float(load)}
 
 
 def stability_map(cells: list[Row]) -> Figure:

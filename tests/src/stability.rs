@@ -106,8 +106,8 @@ pub struct Verdict {
     pub at: String,
     /// Number of runs with a value.
     pub runs: usize,
-    /// The runs beyond the bound and their values, the worst first.
-    pub beyond: Vec<(f64, String)>,
+    /// Every run and its value, the worst first.
+    pub all: Vec<(f64, String)>,
 }
 
 /// The invariant that every motion has on which no unknown work is done.
@@ -121,18 +121,16 @@ impl Verdict {
         values: impl Iterator<Item = (f64, String)>,
     ) -> Self {
         let (mut worst, mut at, mut runs) = (f64::NEG_INFINITY, String::new(), 0);
-        let mut beyond = Vec::new();
+        let mut all = Vec::new();
         for (value, here) in values {
             runs += 1;
             let value = if value.is_nan() { f64::INFINITY } else { value };
             if value > worst {
                 (worst, at) = (value, here.clone());
             }
-            if value > bound {
-                beyond.push((value, here));
-            }
+            all.push((value, here));
         }
-        beyond.sort_by(|one, other| other.0.total_cmp(&one.0));
+        all.sort_by(|one, other| other.0.total_cmp(&one.0));
         Self {
             case: *case,
             invariant,
@@ -140,7 +138,7 @@ impl Verdict {
             worst,
             at,
             runs,
-            beyond,
+            all,
         }
     }
 

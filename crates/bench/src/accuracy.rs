@@ -24,7 +24,7 @@ mod shapes;
 #[cfg(test)]
 mod tests;
 
-use crate::options::{Backend, BackendArguments, OutputArguments};
+use crate::options::{BackendArguments, OutputArguments};
 use crate::output::{Origin, Output};
 use clap::Args;
 use convergence::{Convergence, FLOOR_SUBSTEPS};
@@ -34,6 +34,7 @@ use incise_mesh::TriangleId;
 use incise_pbd_gpu::SolverParams;
 use incise_progress::Progress;
 use incise_reference::{ReferenceError, State};
+use incise_scene::BackendChoice;
 use run::Run;
 use scene::{Body, DT, Scene, Scheme};
 use serde::Serialize;
@@ -148,17 +149,7 @@ struct ReferenceRow {
     /// Largest way of a vertex along gravity \[m\]; none without pins or gravity.
     sag: Option<f64>,
     /// The error of the reference, without which there are no total errors.
-    refusal: Option<ReferenceErrorText>,
-}
-
-/// An error as its text.
-#[derive(Debug)]
-struct ReferenceErrorText(ReferenceError);
-
-impl Serialize for ReferenceErrorText {
-    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        to.collect_str(&self.0)
-    }
+    refusal: Option<String>,
 }
 
 /// Runs the scenes, prints and writes their rows.
@@ -174,7 +165,7 @@ pub(crate) fn run(
         return cuts::run(&mut output);
     }
     let backends = arguments.backends.devices()?;
-    let mut device = match backends.contains(&Backend::Gpu) {
+    let mut device = match backends.contains(&BackendChoice::Gpu) {
         true => Some(Device::open(arguments.backends.adapter.as_deref())?),
         false => None,
     };
@@ -188,7 +179,7 @@ pub(crate) fn run(
         let runs = SceneRuns::new(arguments, name, &mut output)?;
         progress.suspend(|| output.table())?;
         for &backend in &backends {
-            let device = device.as_mut().filter(|_| backend == Backend::Gpu);
+            let device = device.as_mut().filter(|_| backend == BackendChoice::Gpu);
             let points = runs.measure(device, &progress, &mut output)?;
             let front = pareto_front(&points);
             progress.suspend(|| output.table_of(|i| front.contains(&i)))?;
@@ -260,7 +251,7 @@ impl<'a> SceneRuns<'a> {
             uncertainty: exact.map(|exact| exact.uncertainty),
             floors: FLOOR_SUBSTEPS.map(floor),
             sag: exact.and_then(|exact| runs.error_measure().sag(&exact.states)),
-            refusal: runs.exact.as_ref().err().copied().map(ReferenceErrorText),
+            refusal: runs.exact.as_ref().err().map(ReferenceError::to_string),
         };
         output.cpu_row(name, &row)?;
         Ok(runs)

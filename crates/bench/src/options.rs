@@ -1,6 +1,7 @@
 //! Options that several benches share.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use incise_scene::BackendChoice;
 use std::path::PathBuf;
 
@@ -27,41 +28,28 @@ pub(crate) struct ModelArguments {
     pub(crate) only: Vec<String>,
 }
 
-/// A backend of the solver.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Backend {
-    /// The CPU.
-    Cpu,
-    /// A GPU; a software adapter if there is no other.
-    Gpu,
-    /// A hardware GPU for bodies that are faster on it, the CPU for all others.
-    Auto,
-}
-
-impl Backend {
-    /// Returns the name on the command line and in rows.
-    pub(crate) fn name(self) -> &'static str {
-        BackendChoice::from(self).name()
-    }
-}
-
-impl From<Backend> for BackendChoice {
-    fn from(backend: Backend) -> Self {
-        match backend {
-            Backend::Cpu => Self::Cpu,
-            Backend::Gpu => Self::Gpu,
-            Backend::Auto => Self::Auto,
-        }
+/// Returns the backend of a name.
+fn backend(name: String) -> BackendChoice {
+    match name.as_str() {
+        "gpu" => BackendChoice::Gpu,
+        "auto" => BackendChoice::Auto,
+        _ => BackendChoice::Cpu,
     }
 }
 
 /// Backends that everything runs on.
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct BackendArguments {
-    /// Backends of the solver, separated by commas; everything runs on each. The default is the
-    /// CPU; for step a GPU too, if there is one.
-    #[arg(long, value_enum, value_name = "NAMES", value_delimiter = ',')]
-    backend: Vec<Backend>,
+    /// Backends of the solver, separated by commas; everything runs on each: cpu, gpu, which may be
+    /// a software adapter, or auto, a hardware GPU for bodies that are faster on it. The default is
+    /// cpu; for step a GPU too, if there is one.
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        value_parser = PossibleValuesParser::new(["cpu", "gpu", "auto"]).map(backend)
+    )]
+    backend: Vec<BackendChoice>,
     /// Part of the name of the GPU.
     #[arg(long, value_name = "NAME")]
     pub(crate) adapter: Option<String>,
@@ -69,7 +57,7 @@ pub(crate) struct BackendArguments {
 
 impl BackendArguments {
     /// Returns the backends in the given order, each once; empty if none is named.
-    pub(crate) fn named(&self) -> Vec<Backend> {
+    pub(crate) fn named(&self) -> Vec<BackendChoice> {
         let mut each = Vec::new();
         for &backend in &self.backend {
             if !each.contains(&backend) {
@@ -82,14 +70,14 @@ impl BackendArguments {
     /// Returns the CPU, the GPU or both in the given order; the CPU if none is named.
     ///
     /// # Errors
-    /// A message for [`Backend::Auto`].
-    pub(crate) fn devices(&self) -> Result<Vec<Backend>, &'static str> {
+    /// A message for [`BackendChoice::Auto`].
+    pub(crate) fn devices(&self) -> Result<Vec<BackendChoice>, &'static str> {
         let named = self.named();
-        if named.contains(&Backend::Auto) {
+        if named.contains(&BackendChoice::Auto) {
             return Err("this bench compares backends: name cpu or gpu instead of auto");
         }
         Ok(match named.is_empty() {
-            true => vec![Backend::Cpu],
+            true => vec![BackendChoice::Cpu],
             false => named,
         })
     }

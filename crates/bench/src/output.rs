@@ -129,6 +129,22 @@ impl<'a, P: Serialize> Output<'a, P> {
         origin: Origin<'_>,
         fields: &impl Serialize,
     ) -> Result<(), OutputError> {
+        let line = self.json_row(name, origin, fields)?;
+        // Read back in the order of its fields.
+        self.rows.push(serde_json::from_str(&line)?);
+        Ok(())
+    }
+
+    /// Appends a row to the file only, and returns it.
+    ///
+    /// # Errors
+    /// [`OutputError::Lost`], [`OutputError::Row`].
+    pub(crate) fn json_row(
+        &mut self,
+        name: &str,
+        origin: Origin<'_>,
+        fields: &impl Serialize,
+    ) -> Result<String, OutputError> {
         let row = Row {
             bench: self.bench,
             name,
@@ -147,9 +163,7 @@ impl<'a, P: Serialize> Output<'a, P> {
                 source,
             })?;
         }
-        // Read back in the order of its fields.
-        self.rows.push(serde_json::from_str(&line)?);
-        Ok(())
+        Ok(line)
     }
 
     /// Prints the rows since the last table that `is_shown`.

@@ -153,7 +153,7 @@ pub(crate) fn run(arguments: &SkipArguments, out: &mut dyn Write) -> Result<(), 
     let (mut count, mut failed) = (0, 0);
     for backend in arguments.backends.devices()? {
         let request = BackendRequest {
-            choice: backend.into(),
+            choice: backend,
             adapter: arguments.backends.adapter.clone(),
             allow_software: true,
             ..BackendRequest::default()

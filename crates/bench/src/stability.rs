@@ -1,11 +1,12 @@
 //! `incise-bench stability`: stress cases, with a verdict on each of their invariants.
 
 use crate::models::files;
-use crate::options::{Backend, BackendArguments, OutputArguments};
+use crate::options::{BackendArguments, OutputArguments};
 use crate::output::{Origin, Output};
 use crate::text_table::number;
 use clap::Args;
 use incise_mesh::{RepairParams, read_mesh};
+use incise_scene::BackendChoice;
 use incise_tests::stability::{Case, Runner, Subject, Verdict, cases};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -46,6 +47,9 @@ pub(crate) struct StabilityArguments {
     output: OutputArguments,
 }
 
+/// The case whose runs `report.py` draws.
+const MAP: &str = "map";
+
 /// Parses the name of a case, in any case.
 fn id(text: &str) -> Result<String, String> {
     let mut ids: Vec<&str> = cases().map(|case| case.id).collect();
@@ -73,6 +77,15 @@ struct Row<'a> {
     at: &'a str,
 }
 
+/// A run of the case `map`: a time step, a compliance and a load, with the largest energy.
+#[derive(Debug, Serialize)]
+struct Cell<'a> {
+    kind: &'static str,
+    at: &'a str,
+    energy: f64,
+    bound: f64,
+}
+
 /// Returns the meshes of a folder that can be cut.
 fn subjects(folder: &Path) -> Result<Vec<Subject>, Box<dyn Error>> {
     let repairs = RepairParams {
@@ -90,7 +103,7 @@ fn subjects(folder: &Path) -> Result<Vec<Subject>, Box<dyn Error>> {
 /// Opens a backend; also returns its description.
 fn open(
     arguments: &StabilityArguments,
-    backend: Backend,
+    backend: BackendChoice,
     machine: &str,
 ) -> Result<(Runner, String), Box<dyn Error>> {
     let subjects = match &arguments.models {
@@ -99,9 +112,9 @@ fn open(
     };
     let (mut runner, device) = match backend {
         #[cfg(feature = "gpu")]
-        Backend::Gpu => Runner::gpu(subjects, arguments.backends.adapter.as_deref())?,
+        BackendChoice::Gpu => Runner::gpu(subjects, arguments.backends.adapter.as_deref())?,
         #[cfg(not(feature = "gpu"))]
-        Backend::Gpu => return Err(crate::no_gpu::NoGpu.into()),
+        BackendChoice::Gpu => return Err(crate::no_gpu::NoGpu.into()),
         _ => (Runner::cpu(subjects), machine.to_owned()),
     };
     runner.samples = arguments.samples;
@@ -156,6 +169,17 @@ pub(crate) fn run(
                         at: &verdict.at,
                     };
                     output.row(id, Origin { backend, device }, &row)?;
+                    for (energy, at) in verdict.all.iter().filter(|_| id == MAP) {
+                        let (energy, bound) = (*energy, verdict.bound);
+                        let kind = "cell";
+                        let cell = Cell {
+                            kind,
+                            at,
+                            energy,
+                            bound,
+                        };
+                        output.json_row(id, Origin { backend, device }, &cell)?;
+                    }
                     (count, failed) = (count + 1, failed + u32::from(!passed));
                     if *judged.entry((id, stress, invariant)).or_insert(passed) != passed {
                         differing.push(id);
@@ -195,7 +219,8 @@ fn print(
         output.print(format_args!(
             "{verdict}  {id} ({seconds:.1} s): {stress}; {invariant}"
         ))?;
-        for (value, at) in found.beyond.iter().filter(|_| list) {
+        let beyond = found.all.iter().filter(|run| list && run.0 > found.bound);
+        for (value, at) in beyond {
             output.print(format_args!("      {}  {at}", number(*value)))?;
         }
     }

@@ -17,13 +17,14 @@ mod device {
 }
 
 use crate::measure::Length;
-use crate::options::{Backend, BackendArguments, LengthArguments, ModelArguments, OutputArguments};
+use crate::options::{BackendArguments, LengthArguments, ModelArguments, OutputArguments};
 use crate::output::{Origin, Output};
 use crate::workload::{Workload, workloads};
 use case::{Case, CaseRow, Setup, compare};
 use clap::{Args, ValueEnum};
 use device::Device;
 use incise_pbd_gpu::SolverParams;
+use incise_scene::BackendChoice;
 use serde::Serialize;
 use std::error::Error;
 use std::io::{self, Write};
@@ -124,9 +125,9 @@ pub(crate) fn run(arguments: &StepArguments, out: &mut dyn Write) -> Result<(), 
 
 /// The backends that every model runs on.
 struct Backends {
-    choices: Vec<Backend>,
+    choices: Vec<BackendChoice>,
     device: Option<Device>,
-    /// Number of constraints from which [`Backend::Auto`] uses the GPU.
+    /// Number of constraints from which [`BackendChoice::Auto`] uses the GPU.
     min_gpu_constraints: Option<usize>,
     schedules: Vec<ScheduleChoice>,
 }
@@ -144,14 +145,14 @@ impl Backends {
         let named = arguments.backends.named();
         let mut backends = Self {
             choices: match named.is_empty() {
-                true => vec![Backend::Cpu, Backend::Gpu],
+                true => vec![BackendChoice::Cpu, BackendChoice::Gpu],
                 false => named.clone(),
             },
             device: None,
             min_gpu_constraints: None,
             schedules: arguments.schedule.clone(),
         };
-        if backends.choices == [Backend::Cpu] {
+        if backends.choices == [BackendChoice::Cpu] {
             return Ok(backends);
         }
         let adapter = arguments.backends.adapter.as_deref();
@@ -160,12 +161,12 @@ impl Backends {
                 output.print(format_args!("gpu: {}", device.describe()))?;
                 backends.device = Some(device);
             }
-            Err(error) if named.contains(&Backend::Gpu) || adapter.is_some() => {
+            Err(error) if named.contains(&BackendChoice::Gpu) || adapter.is_some() => {
                 return Err(error.into());
             }
             Err(error) => output.print(format_args!("gpu: none: {error}"))?,
         }
-        if backends.choices.contains(&Backend::Auto) {
+        if backends.choices.contains(&BackendChoice::Auto) {
             backends.calibrate(setup, output)?;
         }
         Ok(backends)
@@ -194,9 +195,11 @@ impl Backends {
         for &choice in &self.choices {
             let first = rows.len();
             match (choice, &mut self.device) {
-                (Backend::Gpu, Some(device)) => rows.extend(device.rows(&case, &self.schedules)),
-                (Backend::Gpu, None) => {}
-                (Backend::Auto, Some(device)) if is_large => {
+                (BackendChoice::Gpu, Some(device)) => {
+                    rows.extend(device.rows(&case, &self.schedules))
+                }
+                (BackendChoice::Gpu, None) => {}
+                (BackendChoice::Auto, Some(device)) if is_large => {
                     rows.extend(device.rows(&case, &[ScheduleChoice::Auto]));
                 }
                 _ => rows.push(case.on_cpu()),

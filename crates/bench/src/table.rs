@@ -6,7 +6,7 @@ mod protocol;
 use crate::method::MethodArguments;
 use crate::models;
 use crate::options::{
-    Backend, BackendArguments, LengthArguments, ModelArguments, OutputArguments, positive,
+    BackendArguments, LengthArguments, ModelArguments, OutputArguments, positive,
 };
 use crate::output::{Origin, Output};
 use clap::Args;
@@ -112,7 +112,7 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut dyn Write) -> Result<(),
     let loaded = models::load(&arguments.models)?;
     let mut backends = arguments.backends.named();
     if backends.is_empty() {
-        backends.push(Backend::Cpu);
+        backends.push(BackendChoice::Cpu);
     }
     let mut output = Output::open("table", &arguments.output, parameters.clone(), out)?;
     let progress = output.progress(loaded.len() * backends.len(), 2 * u64::from(frames));
@@ -142,11 +142,11 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut dyn Write) -> Result<(),
 /// once, so that all runs use the same backend.
 fn request(
     parameters: &Parameters,
-    backend: Backend,
+    backend: BackendChoice,
     arguments: &BackendArguments,
 ) -> Result<(BackendRequest, Option<String>), SceneError> {
     let mut request = BackendRequest {
-        choice: backend.into(),
+        choice: backend,
         adapter: arguments.adapter.clone(),
         allow_software: true,
         min_gpu_constraints: None,
