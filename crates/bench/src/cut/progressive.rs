@@ -212,7 +212,7 @@ impl Measured {
             if idle > MAX_IDLE_STROKES {
                 return Err(format!("{}: no stroke cuts the body any more", name).into());
             }
-            all.triangles_at_end = own.surface().topology().triangle_count();
+            all.triangles_at_end = own.surface.topology().triangle_count();
             let limit = MAX_GROWTH * triangles + MIN_GROWTH;
             if !is_valid || plan.is_long && all.triangles_at_end > limit {
                 body = None;
@@ -231,10 +231,10 @@ impl Measured {
     ) -> Result<bool, Box<dyn Error>> {
         let kind = plan.kinds[self.strokes % plan.kinds.len()];
         let is_turning = plan.motions[self.bodies % plan.motions.len()];
-        let stroke = path.next(kind, body.surface(), body.angle());
+        let stroke = path.next(kind, &body.surface, body.angle);
         self.strokes += 1;
         let number = self.strokes;
-        for (i, pose) in stroke.poses(body.step_length()).enumerate() {
+        for (i, pose) in stroke.poses(body.step_length).enumerate() {
             match body.advance(&pose, params)? {
                 Ok(Some(step)) => self.steps.push(step),
                 Ok(None) => self.missed += 1,

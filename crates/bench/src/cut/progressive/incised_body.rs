@@ -2,6 +2,7 @@
 
 use super::strokes::turned;
 use crate::cut::times::Times;
+use crate::measure;
 use crate::motion;
 use incise_cut::{CutError, CutParams, Cutter, Incision};
 use incise_mesh::Surface;
@@ -17,15 +18,16 @@ const STANDING_CALLS: u32 = 100;
 
 /// A body with its cutter, its solver and the incision of one blade.
 pub(super) struct IncisedBody {
-    surface: Surface,
+    pub(super) surface: Surface,
     cutter: Cutter,
     solver: Solver,
     incision: Incision,
     pose: [[f32; 3]; 2],
     has_moved: bool,
-    /// Angle by which the body has turned \[rad\].
-    angle: f64,
-    step_length: f64,
+    /// Angle by which the body has turned about the vertical axis \[rad\].
+    pub(super) angle: f64,
+    /// Mean edge length of the uncut body \[m\].
+    pub(super) step_length: f64,
 }
 
 /// A step that cut.
@@ -52,20 +54,6 @@ impl IncisedBody {
             has_moved: false,
             angle: 0.0,
         })
-    }
-
-    pub(super) fn surface(&self) -> &Surface {
-        &self.surface
-    }
-
-    /// Returns the angle by which the body has turned about the vertical axis \[rad\].
-    pub(super) fn angle(&self) -> f64 {
-        self.angle
-    }
-
-    /// Returns the mean edge length of the uncut body \[m\].
-    pub(super) fn step_length(&self) -> f64 {
-        self.step_length
     }
 
     /// Moves the blade to a pose and times it; none for a step that cuts nothing.
@@ -124,17 +112,19 @@ impl IncisedBody {
         if is_refused || !self.incision.is_inside() {
             return Ok(None);
         }
-        let begin = Instant::now();
-        for _ in 0..STANDING_CALLS {
-            self.cutter.refit_moved(&self.surface, &[]);
-            let (surface, incision) = (&mut self.surface, &mut self.incision);
-            let outcome = self.cutter.advance(surface, incision, &pose, params)?;
-            if !outcome.is_miss() {
-                return Err("a blade that stands has cut".into());
+        let mut times = measure::Times::default();
+        times.time_frames(STANDING_CALLS, || -> Result<(), Box<dyn Error>> {
+            for _ in 0..STANDING_CALLS {
+                self.cutter.refit_moved(&self.surface, &[]);
+                let (surface, incision) = (&mut self.surface, &mut self.incision);
+                let outcome = self.cutter.advance(surface, incision, &pose, params)?;
+                if !outcome.is_miss() {
+                    return Err("a blade that stands has cut".into());
+                }
             }
-        }
-        let us = begin.elapsed().as_secs_f64() * 1e6;
-        Ok(Some(us / f64::from(STANDING_CALLS)))
+            Ok(())
+        })?;
+        Ok(Some(times.median() * 1e6))
     }
 
     /// Ends the incision.
