@@ -9,8 +9,8 @@ use incise_pbd_gpu::{
 /// Duration of a frame \[s\].
 pub const DT: f32 = 1.0 / 60.0;
 
-/// All GPU schedules.
-pub const SCHEDULES: [Schedule; 3] = [Schedule::WholeBody, Schedule::Colors, Schedule::Patches];
+/// The GPU schedules of undivided and of divided bodies.
+pub const SCHEDULES: [Schedule; 2] = [Schedule::WholeBody, Schedule::Patches];
 
 /// Returns settings that use most solver features: compliance, bending, pressure and damping.
 #[must_use]

@@ -4,9 +4,9 @@
 
 use incise_pbd_gpu::{AdapterRequest, AdapterSummary, Context, GpuError, adapters};
 use libtest_mimic::{Arguments, Completion, Failed, Trial};
-use std::cell::RefCell;
+use std::panic::AssertUnwindSafe;
 use std::process::ExitCode;
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// The adapter that a test needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,14 +35,9 @@ impl Needs {
         }
     }
 
-    fn is_met(self) -> bool {
-        // Cached, since listing adapters loads every driver.
-        static FOUND: OnceLock<Vec<AdapterSummary>> = OnceLock::new();
-        let mut usable = FOUND
-            .get_or_init(adapters)
-            .iter()
-            .filter(|adapter| adapter.refusal.is_none());
-        usable.any(|adapter| self == Self::AnyDevice || adapter.name.contains(STRICT))
+    /// Returns the first such adapter.
+    fn adapter(self) -> Option<&'static AdapterSummary> {
+        usable().find(|adapter| self == Self::AnyDevice || adapter.name.contains(STRICT))
     }
 
     fn absent(self) -> &'static str {
@@ -61,43 +56,71 @@ impl Needs {
 
 const STRICT: &str = "SwiftShader";
 
-/// Creates a test that passes unless it panics.
+/// Returns the adapters that the backend can use, in the order of [`adapters`].
+fn usable() -> impl Iterator<Item = &'static AdapterSummary> {
+    // Cached, since listing adapters loads every driver.
+    static FOUND: OnceLock<Vec<AdapterSummary>> = OnceLock::new();
+    let found = FOUND.get_or_init(adapters);
+    found.iter().filter(|adapter| adapter.refusal.is_none())
+}
+
+/// Returns a working device that all tests of the program share, so that kernels compile once.
 ///
-/// The tests of a thread share a device that works, so that each kernel is compiled once; software
-/// adapters take seconds. It is leaked, since a thread's destructors cannot close a device of wgpu.
-pub fn trial(name: &str, needs: Needs, test: impl FnOnce(Context) + Send + 'static) -> Trial {
-    thread_local! {
-        static OPEN: RefCell<[Option<&'static Context>; 2]> = const { RefCell::new([None; 2]) };
+/// Software adapters take seconds to compile them. The device stays open until the program ends.
+fn shared(adapter: &AdapterSummary) -> Result<Context, GpuError> {
+    static OPEN: Mutex<Vec<Context>> = Mutex::new(Vec::new());
+    let mut open = OPEN.lock().unwrap_or_else(PoisonError::into_inner);
+    open.retain(|context| context.check().is_ok());
+    if let Some(context) = open.iter().find(|c| c.adapter().name == adapter.name) {
+        return Ok(context.clone());
     }
-    trial_with(name, needs, test, move || {
-        OPEN.with_borrow_mut(|open| {
-            let open = &mut open[needs as usize];
-            let context = match *open {
-                Some(context) if context.check().is_ok() => context,
-                _ => Box::leak(Box::new(Context::open(&needs.request())?)),
-            };
-            *open = Some(context);
-            Ok(context.clone())
-        })
-    })
+    let context = Context::open(&AdapterRequest::any(Some(adapter.name.clone())))?;
+    open.push(context.clone());
+    Ok(context)
+}
+
+/// Runs a test on every adapter, software adapters included.
+///
+/// # Panics
+/// If an adapter cannot be opened.
+pub fn on_every_adapter(test: impl Fn(Context)) {
+    for adapter in usable() {
+        let context = shared(adapter).expect("an adapter that was listed as usable");
+        let run = || test(context);
+        if let Err(panic) = std::panic::catch_unwind(AssertUnwindSafe(run)) {
+            eprintln!("on {}:", adapter.name);
+            std::panic::resume_unwind(panic);
+        }
+    }
+}
+
+/// Creates a test that passes unless it panics, on a device that tests share.
+pub fn trial(name: &str, needs: Needs, test: impl FnOnce(Context) + Send + 'static) -> Trial {
+    trial_with(name, needs, test, shared)
 }
 
 /// Creates a test with its own device, for tests that lose it or count its kernels.
 pub fn trial_alone(name: &str, needs: Needs, test: impl FnOnce(Context) + Send + 'static) -> Trial {
-    trial_with(name, needs, test, move || Context::open(&needs.request()))
+    trial_with(name, needs, test, move |_| Context::open(&needs.request()))
+}
+
+/// Marks a test as one that takes long: it runs with `--ignored` or `--include-ignored` only.
+#[must_use]
+pub fn long(trial: Trial) -> Trial {
+    trial.with_kind("long").with_ignored_flag(true)
 }
 
 fn trial_with(
     name: &str,
     needs: Needs,
     test: impl FnOnce(Context) + Send + 'static,
-    open: impl FnOnce() -> Result<Context, GpuError> + Send + 'static,
+    open: impl FnOnce(&AdapterSummary) -> Result<Context, GpuError> + Send + 'static,
 ) -> Trial {
     Trial::ignorable_test(name, move || {
-        if !needs.is_met() {
+        let Some(adapter) = needs.adapter() else {
             return without_device(needs);
-        }
-        test(open().map_err(|error| error.to_string())?);
+        };
+        test(open(adapter).map_err(|error| error.to_string())?);
         Ok(Completion::Completed)
     })
 }

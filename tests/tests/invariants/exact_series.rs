@@ -76,7 +76,10 @@ fn cut_often(whole: &Surface, count: usize, snap: f64, seed: u64) {
         "the volume changed by {error}, at most {bound} was reported"
     );
     let pieces = euler_characteristics(&surface).len();
-    assert!(pieces > count / 2, "only {pieces} pieces after {count} cuts");
+    assert!(
+        pieces > count / 2,
+        "only {pieces} pieces after {count} cuts"
+    );
 }
 
 #[test]

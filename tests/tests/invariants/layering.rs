@@ -82,6 +82,7 @@ const ALLOWED: [(&str, &[&str]); 19] = [
             "incise-scene",
             "incise",
             TEST_SUPPORT,
+            "incise-cli",
         ],
     ),
     (

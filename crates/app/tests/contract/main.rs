@@ -10,10 +10,16 @@ mod cut_path;
 mod cut_several;
 mod devices;
 mod fill;
+#[cfg(feature = "gpu")]
+mod gallery;
 mod output;
 mod pieces;
+#[cfg(feature = "gpu")]
+mod render;
 mod scene_files;
 mod sheets;
 mod simulate;
 mod simulate_bodies;
+#[cfg(feature = "gpu")]
+mod simulate_output;
 mod simulate_path;

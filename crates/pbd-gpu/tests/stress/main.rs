@@ -1,5 +1,7 @@
-//! Stress tests: inputs and motions that break solvers, with the invariant that each must keep, on
-//! the CPU and on a GPU. `incise-bench stability` has those that take minutes or that fail today.
+//! Stress tests: inputs and motions that break solvers, with the invariant that each must keep.
+//!
+//! `tests/tests/gpu` runs them on a GPU. `incise-bench stability` has those that take minutes or
+//! that fail today.
 
 #![allow(
     clippy::cast_possible_truncation,
@@ -7,8 +9,6 @@
 )]
 
 mod motions;
-#[cfg(feature = "gpu")]
-mod on_gpu;
 mod runner;
 mod shapes;
 mod volumes;
@@ -16,12 +16,6 @@ mod volumes;
 use libtest_mimic::{Arguments, Trial};
 use runner::{Case, Runner};
 use std::process::ExitCode;
-
-/// All stress tests.
-fn cases() -> impl Iterator<Item = Case> {
-    let all: [&[Case]; 3] = [&shapes::CASES, &motions::CASES, &volumes::CASES];
-    all.into_iter().flatten().copied()
-}
 
 fn main() -> ExitCode {
     let on_cpu = |(name, case): Case| {
@@ -37,8 +31,7 @@ fn main() -> ExitCode {
             Ok(())
         })
     };
-    let trials: Vec<Trial> = cases().map(on_cpu).collect();
-    #[cfg(feature = "gpu")]
-    let trials = trials.into_iter().chain(on_gpu::trials()).collect();
+    let all: [&[Case]; 3] = [&shapes::CASES, &motions::CASES, &volumes::CASES];
+    let trials = all.into_iter().flatten().copied().map(on_cpu).collect();
     libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
 }
