@@ -6,6 +6,7 @@ pub mod fuzz;
 mod invariants;
 mod planes;
 pub mod stability;
+pub mod stress;
 
 pub use blades::{Blade, any_blade, any_level, flat_blade};
 pub use bodies::{

@@ -6,8 +6,11 @@ use std::process::{Command, ExitCode};
 /// Environment variable with the name of the function.
 const KEY: &str = "INCISE_TEST_CHILD";
 
+/// The function of a process that runs no tests.
+type Function = fn() -> ExitCode;
+
 /// The functions by name.
-const FUNCTIONS: [(&str, fn() -> ExitCode); 3] = [
+const FUNCTIONS: [(&str, Function); 3] = [
     ("exhaust", exhaust),
     ("incise", incise_cli::program),
     ("no_adapters", no_adapters),

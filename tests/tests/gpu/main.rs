@@ -7,10 +7,6 @@
     clippy::missing_assert_message,
     reason = "these are tests, which the lint knows by an attribute only"
 )]
-#![allow(
-    clippy::cast_possible_truncation,
-    reason = "positions as they are stored, in the stress tests"
-)]
 
 mod child_process;
 mod device;
@@ -18,15 +14,6 @@ mod program;
 mod render;
 mod scene;
 mod solver;
-// The stress tests of the solver, which its own tests run on the CPU.
-#[path = "../../../crates/pbd-gpu/tests/stress/motions.rs"]
-mod motions;
-#[path = "../../../crates/pbd-gpu/tests/stress/runner.rs"]
-mod runner;
-#[path = "../../../crates/pbd-gpu/tests/stress/shapes.rs"]
-mod shapes;
-#[path = "../../../crates/pbd-gpu/tests/stress/volumes.rs"]
-mod volumes;
 
 use incise_test_support::gpu::{Needs, long, run, trial, trial_alone};
 use scene::{backend, models, scenes};

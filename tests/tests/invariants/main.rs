@@ -20,4 +20,5 @@ mod regressions;
 mod seeded_cuts;
 mod solver_deltas;
 mod stability;
+mod stress;
 mod thread_count;

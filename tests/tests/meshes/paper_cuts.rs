@@ -19,7 +19,9 @@ pub(crate) fn trials() -> Vec<Trial> {
     let cuts = reference_cuts().into_iter();
     let trial = |(mesh, rows): (String, Vec<Reference>)| {
         let path = shared_folder().join(&mesh);
-        Trial::test(format!("paper_cuts::{mesh}"), move || test(&path, &mesh, &rows))
+        Trial::test(format!("paper_cuts::{mesh}"), move || {
+            test(&path, &mesh, &rows)
+        })
     };
     cuts.map(trial).collect()
 }

@@ -1,10 +1,9 @@
 //! Long tests: closed forms and stress tests, whose references do not come from the CPU backend.
 
-use crate::runner::Runner;
-use crate::{motions, shapes, volumes};
 use incise_pbd_gpu::{Context, GpuBackend};
 use incise_test_support::closed_forms::{self, Advance};
 use incise_test_support::single_steps;
+use incise_tests::stress::{Runner, cases};
 
 /// Results with a closed form.
 pub(crate) fn closed_forms(context: Context) {
@@ -17,8 +16,7 @@ pub(crate) fn closed_forms(context: Context) {
 /// Inputs and motions that break solvers.
 pub(crate) fn stress(context: Context) {
     let mut gpu = GpuBackend::from_context(context).expect("a device");
-    let all = [&shapes::CASES[..], &motions::CASES, &volumes::CASES];
-    for (_, case) in all.into_iter().flatten() {
+    for (_, case) in cases() {
         with_backend(&mut gpu, |advance| {
             case(&mut Runner {
                 advance,

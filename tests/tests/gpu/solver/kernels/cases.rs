@@ -1,5 +1,6 @@
 //! Test cases of the kernel comparison: small bodies in all states that kernels distinguish.
 
+use incise_mesh::geometry::round_to_f32;
 use incise_mesh::{Surface, VertexId};
 use incise_models::double_cone;
 use incise_pbd_gpu::{MAX_COLORS, Material, PatchParams, Solver, SolverParams, Stiffness};
@@ -164,7 +165,7 @@ pub(crate) const WELL_CONDITIONED: f32 = 0.01;
 
 /// Returns a vector of random components up to `scale` in size.
 fn vector(random: &mut Random, scale: f32) -> [f32; 3] {
-    [0; 3].map(|_| scale * random.signed() as f32)
+    [0; 3].map(|_| scale * round_to_f32(random.signed()))
 }
 
 fn open(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Surface {

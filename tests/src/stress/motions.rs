@@ -1,6 +1,6 @@
 //! Pins that leap and turn, parameters that change, falls, impacts, and random bodies.
 
-use crate::runner::{Body, Case, FRAME, Runner, ball, largest_offset};
+use super::runner::{Body, Case, FRAME, Runner, ball, largest_offset};
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3, VertexId, cube_sphere, icosphere, torus};
 use incise_models::{double_cone, place, pose, sheet};
@@ -12,7 +12,7 @@ use incise_test_support::materials::{elastic_shell, shells};
 use incise_test_support::params::{GROUND, HANGING, WEIGHTLESS};
 use incise_test_support::random::Random;
 
-pub(crate) const CASES: [Case; 12] = [
+pub(super) const CASES: [Case; 12] = [
     ("a_body_of_pins_does_not_move", all_pinned),
     ("a_sheet_follows_a_pin_that_leaps", leaping_pin),
     ("a_sheet_follows_a_pin_that_turns", turning_pin),
@@ -264,7 +264,7 @@ fn impacts(runner: &mut Runner<'_>) {
 
 /// Pins the ends of a ball at a height of 1 m, moves them past each other in two seconds, and lets
 /// go.
-pub(crate) fn squeeze(runner: &mut Runner<'_>, body: &mut Body) {
+pub(super) fn squeeze(runner: &mut Runner<'_>, body: &mut Body) {
     let all = body.surface.topology().vertices();
     let ends: Vec<(VertexId, Vec3)> = all
         .map(|v| (v, body.surface.position(v)))

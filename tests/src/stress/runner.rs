@@ -3,37 +3,36 @@
 use incise_mesh::{Surface, Vec3, VertexId, icosphere};
 use incise_models::place;
 use incise_pbd_gpu::{Material, Solver, SolverParams};
+use incise_test_support::closed_forms::Advance;
 use incise_test_support::energy::{EnergyBudget, Limits};
 
 /// A stress test: panics where an invariant does not hold.
-pub(crate) type Case = (&'static str, fn(&mut Runner<'_>));
+pub type Case = (&'static str, fn(&mut Runner<'_>));
 
 /// Length of a frame \[s\].
-pub(crate) const FRAME: f32 = 1.0 / 60.0;
-
-/// Steps a body by a number of frames of a length \[s\] and brings its state back.
-pub(crate) type Advance<'a> = &'a mut dyn FnMut(&mut Surface, &mut Solver, f32, &SolverParams, u32);
+pub const FRAME: f32 = 1.0 / 60.0;
 
 /// The backend of the tests.
-pub(crate) struct Runner<'a> {
-    pub(crate) advance: Advance<'a>,
+pub struct Runner<'a> {
+    /// Steps a body and reads its state back.
+    pub advance: Advance<'a>,
     /// A GPU runs a tenth of the frames and is read back after every tenth of them.
-    pub(crate) is_gpu: bool,
+    pub is_gpu: bool,
 }
 
 impl Runner<'_> {
     /// Returns one value on the GPU, another on the CPU.
-    pub(crate) fn pick<T>(&self, gpu: T, cpu: T) -> T {
+    pub(super) fn pick<T>(&self, gpu: T, cpu: T) -> T {
         if self.is_gpu { gpu } else { cpu }
     }
 
     /// Steps a body.
-    pub(crate) fn step(&mut self, body: &mut Body, dt: f32, params: &SolverParams, frames: u32) {
+    pub(super) fn step(&mut self, body: &mut Body, dt: f32, params: &SolverParams, frames: u32) {
         (self.advance)(&mut body.surface, &mut body.solver, dt, params, frames);
     }
 
     /// Steps a body and asserts its limits throughout.
-    pub(crate) fn watch(
+    pub(super) fn watch(
         &mut self,
         body: &mut Body,
         (dt, params): (f32, &SolverParams),
@@ -54,55 +53,60 @@ impl Runner<'_> {
 
 /// A body in motion.
 #[derive(Debug, Clone)]
-pub(crate) struct Body {
-    pub(crate) surface: Surface,
-    pub(crate) solver: Solver,
+pub struct Body {
+    /// The surface.
+    pub surface: Surface,
+    /// Its solver.
+    pub solver: Solver,
 }
 
 impl Body {
     /// Sets a body up; it may be deformed already.
-    pub(crate) fn new(mut surface: Surface, material: &Material) -> Self {
+    #[must_use]
+    pub fn new(mut surface: Surface, material: &Material) -> Self {
         let solver = Solver::new(&mut surface, material).expect("a body that can be simulated");
         Self { surface, solver }
     }
 
     /// Pins a vertex where it is.
-    pub(crate) fn pin(&mut self, v: VertexId) {
+    pub(super) fn pin(&mut self, v: VertexId) {
         (self.solver.pin(&mut self.surface, v)).expect("a vertex");
     }
 
     /// Moves the target of a pin.
-    pub(crate) fn set_target(&mut self, v: VertexId, to: [f32; 3]) {
+    pub(super) fn set_target(&mut self, v: VertexId, to: [f32; 3]) {
         self.solver.set_pin_target(v, to).expect("a pinned vertex");
     }
 
     /// Lets a pinned vertex go.
-    pub(crate) fn unpin(&mut self, v: VertexId) {
+    pub(super) fn unpin(&mut self, v: VertexId) {
         (self.solver.unpin(&mut self.surface, v)).expect("a pinned vertex");
     }
 
     /// Gives every vertex the same velocity [m/s].
-    pub(crate) fn throw(&mut self, velocity: [f32; 3]) {
+    pub(super) fn throw(&mut self, velocity: [f32; 3]) {
         for v in self.surface.topology().vertices() {
             self.solver.set_velocity(v, velocity).expect("a vertex");
         }
     }
 
     /// Mean strain of the edges.
-    pub(crate) fn strain(&self) -> f64 {
+    pub(super) fn strain(&self) -> f64 {
         self.solver.stretch_error(&self.surface)
     }
 }
 
 /// A sphere of radius 0.5 m around a point at that height \[m\].
-pub(crate) fn ball(subdivisions: u32, height: f64) -> Surface {
+#[must_use]
+pub fn ball(subdivisions: u32, height: f64) -> Surface {
     let mut surface = icosphere(subdivisions, 0.5);
     place(&mut surface, |p| p + Vec3::new(0.0, height, 0.0));
     surface
 }
 
 /// Largest distance along an axis between vertices of two states \[m\].
-pub(crate) fn largest_offset(one: &[[f32; 4]], other: &[[f32; 4]]) -> f64 {
+#[must_use]
+pub fn largest_offset(one: &[[f32; 4]], other: &[[f32; 4]]) -> f64 {
     let both = one.iter().zip(other);
     both.flat_map(|(a, b)| (0..3).map(|k| f64::from((a[k] - b[k]).abs())))
         .fold(0.0, |most, way| if way <= most { most } else { way })

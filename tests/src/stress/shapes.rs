@@ -1,6 +1,6 @@
 //! Bodies that start crushed, folded or pushed through, and meshes of slivers, fans and open seams.
 
-use crate::runner::{Body, Case, FRAME, Runner, ball};
+use super::runner::{Body, Case, FRAME, Runner, ball};
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3, VertexId};
 use incise_models::{double_cone, place, pose, sheet};
@@ -11,7 +11,7 @@ use incise_test_support::params::{GROUND, WEIGHTLESS};
 use incise_test_support::random::Random;
 use std::f64::consts::PI;
 
-pub(crate) const CASES: [Case; 8] = [
+pub(super) const CASES: [Case; 8] = [
     ("crushed_shells_gain_no_energy", crushed_gain_nothing),
     ("crushed_shells_regain_their_lengths", crushed_recover),
     ("a_vertex_pushed_through_a_ball_comes_back", pushed_through),

@@ -1,14 +1,14 @@
 //! Bodies that keep their volumes: turned inside out, and opened.
 
-use crate::motions::squeeze;
-use crate::runner::{Body, Case, FRAME, Runner, ball};
+use super::motions::squeeze;
+use super::runner::{Body, Case, FRAME, Runner, ball};
 use incise_mesh::{Surface, TriangleId, Vec3};
 use incise_models::place;
 use incise_pbd_gpu::{Material, Volume};
 use incise_test_support::materials::shells;
 use incise_test_support::params::{GROUND, WEIGHTLESS};
 
-pub(crate) const CASES: [Case; 2] = [
+pub(super) const CASES: [Case; 2] = [
     ("a_volume_turned_inside_out_throws_nothing", inside_out),
     ("an_opened_piece_has_no_volume", opened),
 ];
