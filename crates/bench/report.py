@@ -595,7 +595,8 @@ def page(sources: list[Source], folder: Path, has_files: bool, images: Path | No
             body.append(f"<h3>{escape(name)}</h3>\n")
             for i, (caption, figure) in enumerate(FIGURES.get(bench, lambda _: ())(some)):
                 if has_files:
-                    stem = f"{bench}-{'-'.join(name.lower().split())}-{i}".replace("/", "-")
+                    said = f"{bench} {caption.split(':')[0]} {name} {i}".lower()
+                    stem = re.sub("[^a-z0-9]+", "-", said)
                     for extension in ("svg", "png"):
                         figure.savefig(folder / f"{stem}.{extension}", dpi=110)
                 drawn, said = svg(figure), escape(caption)

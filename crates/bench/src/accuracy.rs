@@ -38,6 +38,7 @@ use incise_scene::BackendChoice;
 use run::Run;
 use scene::{Body, DT, Scene, Scheme};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::error::Error;
 use std::io::Write;
 
@@ -145,7 +146,7 @@ struct ReferenceRow {
     seconds: f64,
     uncertainty: Option<f64>,
     /// Error of converged second-order steps, by [`FLOOR_SUBSTEPS`].
-    floors: [Option<f64>; FLOOR_SUBSTEPS.len()],
+    floors: BTreeMap<u32, Option<f64>>,
     /// Largest way of a vertex along gravity \[m\]; none without pins or gravity.
     sag: Option<f64>,
     /// The error of the reference, without which there are no total errors.
@@ -249,7 +250,7 @@ impl<'a> SceneRuns<'a> {
             frames: runs.scene.frames,
             seconds: runs.convergence.seconds,
             uncertainty: exact.map(|exact| exact.uncertainty),
-            floors: FLOOR_SUBSTEPS.map(floor),
+            floors: FLOOR_SUBSTEPS.map(|n| (n, floor(n))).into(),
             sag: exact.and_then(|exact| runs.error_measure().sag(&exact.states)),
             refusal: runs.exact.as_ref().err().map(ReferenceError::to_string),
         };
