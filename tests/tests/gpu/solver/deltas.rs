@@ -271,7 +271,7 @@ fn sent(gpu: &mut GpuBackend, mut surface: Surface, schedule: Schedule) -> Sent 
         Solver::with_patches(&mut surface, &material, patches.as_ref()).expect("a valid sphere");
     gpu.force_schedule(Some(schedule));
     let body = gpu.add(&surface, &mut solver).expect("room");
-    let mut dice = Random::new(3);
+    let mut dice = Random::new(4);
     let mut sent = |gpu: &mut GpuBackend, splits: usize| {
         gpu.read(body, &mut surface, &mut solver).expect("a state");
         for _ in 0..splits {
