@@ -28,9 +28,9 @@ struct Measured {
 impl GpuBackend {
     /// Returns the number of constraints from which the GPU is faster than the CPU.
     ///
-    /// Steps spheres of increasing size, divided like bodies of scenes, on both with frames of `dt` \[s\], for a fraction of a
-    /// second. Returns `None` if the CPU always wins. Results vary from call to call. Resident
-    /// bodies are not affected.
+    /// Steps spheres of increasing size, divided like bodies of scenes, on both with frames of `dt`
+    /// \[s\], for a fraction of a second. Returns `None` if the CPU always wins. Results vary from
+    /// call to call. Resident bodies are not affected.
     ///
     /// # Errors
     /// As [`GpuBackend::step`].

@@ -237,8 +237,8 @@ gpu_struct! {
         stretch_colors: u32,
         /// Number of colors of bending constraints.
         bending_colors: u32,
-        /// First entry of the table of each patch layer; a table entry is the first entry of a block
-        /// and 0.
+        /// First entry of the table of each patch layer; a table entry is the first entry of a
+        /// block and 0.
         patch_tables: [u32; PATCH_LAYERS],
         /// Number of patches of each layer.
         patches: [u32; PATCH_LAYERS],
@@ -309,7 +309,8 @@ gpu_struct! {
         bad_vertex: (atomic u32),
         /// Substep in which it became so, or [`u32::MAX`].
         bad_substep: (atomic u32),
-        /// Maximum displacement along an axis in a substep since the last reset \[m\], as plain bits.
+        /// Maximum displacement along an axis in a substep since the last reset \[m\], as plain
+        /// bits.
         max_displacement: (atomic u32),
         pad: u32,
     }
