@@ -77,9 +77,7 @@ enum ScheduleChoice {
     Auto,
     /// One workgroup per body.
     WholeBody,
-    /// One dispatch per color.
-    Colors,
-    /// One dispatch per layer of patches.
+    /// One dispatch per layer of patches, and per color between them.
     Patches,
 }
 

@@ -62,9 +62,7 @@ pub struct FrameStats {
     pub gpu_bodies: u32,
     /// GPU bodies stepped by one workgroup each, see [`incise_pbd_gpu::Schedule`].
     pub whole_bodies: u32,
-    /// GPU bodies stepped one color batch at a time.
-    pub color_bodies: u32,
-    /// GPU bodies stepped one patch at a time.
+    /// GPU bodies stepped pass by pass, with one workgroup per patch.
     pub patch_bodies: u32,
     /// GPU dispatches of the frame.
     pub dispatches: u32,

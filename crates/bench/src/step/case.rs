@@ -70,24 +70,17 @@ pub(super) struct Measured {
     pub(super) bytes_uploaded: u64,
     /// Upload before the first frame.
     pub(super) bytes_uploaded_at_start: u64,
-    /// Time of the schedule `colors` on the same GPU over this time.
-    speed_up_over_colors: Option<f64>,
     /// Time of the CPU over this time.
     speed_up_over_cpu: Option<f64>,
 }
 
 /// Sets the speed-ups of one model's rows.
 pub(super) fn compare(rows: &mut [CaseRow]) {
-    let time = |backend: &str| {
-        let mut rows = rows.iter();
-        let row = rows.find(|of| of.backend == backend && of.row.schedule == "colors")?;
-        row.row.measured.as_ref().map(|m| m.ms_per_frame)
-    };
-    let [cpu, colors] = ["cpu", "gpu"].map(time);
+    let cpu = rows.iter().find(|of| of.backend == "cpu");
+    let cpu = cpu.and_then(|of| Some(of.row.measured.as_ref()?.ms_per_frame));
     for of in rows.iter_mut().filter(|of| of.device.is_some()) {
         if let Some(measured) = &mut of.row.measured {
             measured.speed_up_over_cpu = cpu.map(|ms| ms / measured.ms_per_frame);
-            measured.speed_up_over_colors = colors.map(|ms| ms / measured.ms_per_frame);
         }
     }
 }
@@ -150,7 +143,6 @@ impl<'a> Case<'a> {
             projections_per_second: projections as f64 / times.per_frame,
             bytes_uploaded: 0,
             bytes_uploaded_at_start: 0,
-            speed_up_over_colors: None,
             speed_up_over_cpu: None,
         }
     }

@@ -17,11 +17,7 @@ pub(super) struct Device {
 }
 
 /// All schedules.
-const SCHEDULES: [ScheduleChoice; 3] = [
-    ScheduleChoice::WholeBody,
-    ScheduleChoice::Colors,
-    ScheduleChoice::Patches,
-];
+const SCHEDULES: [ScheduleChoice; 2] = [ScheduleChoice::WholeBody, ScheduleChoice::Patches];
 
 /// The measurement of a schedule.
 struct ScheduleResult {
@@ -36,7 +32,6 @@ impl ScheduleChoice {
         match self {
             Self::Auto => "auto",
             Self::WholeBody => "whole-body",
-            Self::Colors => "colors",
             Self::Patches => "patches",
         }
     }
@@ -143,13 +138,10 @@ impl Device {
         let forced = match choice {
             ScheduleChoice::Auto => own,
             ScheduleChoice::WholeBody => Schedule::WholeBody,
-            ScheduleChoice::Colors => Schedule::Colors,
             ScheduleChoice::Patches => Schedule::Patches,
         };
-        if choice != ScheduleChoice::Auto {
-            let patches = (forced == Schedule::Patches).then(PatchParams::default);
-            bodies = case.divided_bodies(patches.as_ref())?;
-        }
+        let patches = (forced == Schedule::Patches).then(PatchParams::default);
+        bodies = case.divided_bodies(patches.as_ref())?;
         gpu.force_schedule(Some(forced));
         for (surface, solver) in &mut bodies {
             let place = gpu.add(surface, solver)?;

@@ -270,7 +270,6 @@ fn run_scene(
 fn schedule(stats: &FrameStats) -> Option<&'static str> {
     let counts = [
         (stats.whole_bodies, "whole-body"),
-        (stats.color_bodies, "colors"),
         (stats.patch_bodies, "patches"),
     ];
     let used = counts.into_iter().find(|(bodies, _)| *bodies > 0);

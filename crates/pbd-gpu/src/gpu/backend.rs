@@ -76,10 +76,13 @@ pub(super) struct Resident {
 ///
 /// ```no_run
 /// use incise_models::{Model, build_model};
-/// use incise_pbd_gpu::{AdapterRequest, GpuBackend, Material, Solver, SolverParams};
+/// use incise_pbd_gpu::{
+///     AdapterRequest, GpuBackend, Material, PatchParams, Solver, SolverParams,
+/// };
 ///
 /// let mut surface = build_model(Model::Armadillo);
-/// let mut solver = Solver::new(&mut surface, &Material::default())?;
+/// let patches = PatchParams::for_body(surface.topology().vertex_count());
+/// let mut solver = Solver::with_patches(&mut surface, &Material::default(), patches.as_ref())?;
 /// let mut gpu = GpuBackend::new(&AdapterRequest::default())?;
 /// let body = gpu.add(&surface, &mut solver)?;
 /// for _ in 0..60 {
@@ -222,7 +225,7 @@ impl GpuBackend {
 
     /// Overrides the schedule of bodies that are added from now on.
     ///
-    /// A body that does not support the schedule gets its default one.
+    /// A body that does not fit in a workgroup is stepped by [`Schedule::Patches`] in any case.
     pub fn force_schedule(&mut self, schedule: Option<Schedule>) {
         self.schedule = schedule;
     }

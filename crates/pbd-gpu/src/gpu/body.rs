@@ -64,8 +64,10 @@ pub(super) struct DeviceBody {
     stretch: Runs,
     bending: Runs,
     interior_springs: Runs,
-    /// Patches by layer; empty without the patch schedule.
+    /// Patches by layer; empty unless the body is divided.
     patches: [Blocks; PATCH_LAYERS],
+    /// True if constraints within patches are in blocks and not in runs.
+    is_divided: bool,
     /// Allocated entries, slack included.
     pub(super) pins: Range<u32>,
     pub(super) pin_count: u32,
@@ -97,6 +99,7 @@ impl DeviceBody {
             bending: Runs::default(),
             interior_springs: Runs::default(),
             patches: std::array::from_fn(|_| Blocks::default()),
+            is_divided: false,
             pins: 0..0,
             pin_count: 0,
             attachments: 0..0,
@@ -108,7 +111,7 @@ impl DeviceBody {
             collider_count: 0,
             collider_generation: 0,
             record: BodyRecord::zeroed(),
-            schedule: Schedule::Colors,
+            schedule: Schedule::WholeBody,
         }
     }
 
@@ -198,14 +201,19 @@ impl DeviceBody {
         (self.collider_count, self.collider_generation) = (0, 0);
     }
 
-    /// Switches a body that has outgrown the memory of a workgroup to patches or colors.
+    /// Sets the schedule of a body before everything is uploaded.
+    pub(super) fn set_schedule(&mut self, schedule: Schedule, has_patches: bool) {
+        self.schedule = schedule;
+        self.is_divided = schedule == Schedule::Patches && has_patches;
+    }
+
+    /// Switches a body that has outgrown the memory of a workgroup to patches.
     ///
     /// The next update uploads the freed runs again.
     pub(super) fn leave_workgroup(&mut self, arenas: &mut Arenas, has_patches: bool) {
-        self.schedule = Schedule::Colors;
-        if has_patches {
+        self.set_schedule(Schedule::Patches, has_patches);
+        if self.is_divided {
             // Constraints within patches leave the runs.
-            self.schedule = Schedule::Patches;
             self.stretch.free(&mut arenas.entries);
             self.bending.free(&mut arenas.entries);
         }
@@ -239,10 +247,10 @@ impl DeviceBody {
             self.edit_velocities(uploads, solver, &changes.velocities);
         }
         let entries = &mut arenas.entries;
-        // Constraints within patches are not in runs.
-        let colors = match self.schedule {
-            Schedule::Patches => MAX_COLORS,
-            _ => OVERFLOW,
+        let colors = if self.is_divided {
+            MAX_COLORS
+        } else {
+            OVERFLOW
         };
         let set = (solver.stretch(), colors);
         moved |= (self.stretch).update(context, entries, uploads, set, &changes.stretch)?;
@@ -266,7 +274,7 @@ impl DeviceBody {
             ..
         } = solver.constraints();
         if let Some(patches) = patches
-            && self.schedule == Schedule::Patches
+            && self.is_divided
         {
             for ((layer, patching), blocks) in patches.layers().zip(&mut self.patches) {
                 let contents = patch_contents.of_layer(layer);

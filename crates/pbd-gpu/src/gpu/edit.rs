@@ -76,7 +76,8 @@ impl GpuBackend {
         let mut moved = false;
         if changes.everything {
             let has_patches = solver.constraints().patches.is_some();
-            resident.body.schedule = choose(schedule, has_patches, vertices, capacity);
+            let schedule = choose(schedule, vertices, capacity);
+            resident.body.set_schedule(schedule, has_patches);
             // The solver may be another one, with other generations of plans.
             resident.plan = StepPlan::default();
             let (buffer, offset, _) = report_part(arenas, body.slot());
@@ -156,16 +157,14 @@ impl GpuBackend {
     }
 }
 
-/// Returns the default schedule of a body.
+/// Returns the schedule of a body.
 ///
 /// A body that fits in workgroup memory is stepped by one workgroup, with or without patches.
-fn choose(forced: Option<Schedule>, has_patches: bool, vertices: usize, capacity: u32) -> Schedule {
-    match forced {
-        Some(Schedule::Colors) => Schedule::Colors,
-        Some(Schedule::Patches) if has_patches => Schedule::Patches,
-        _ if vertices <= capacity as usize => Schedule::WholeBody,
-        _ if has_patches => Schedule::Patches,
-        _ => Schedule::Colors,
+fn choose(forced: Option<Schedule>, vertices: usize, capacity: u32) -> Schedule {
+    if forced == Some(Schedule::Patches) || vertices > capacity as usize {
+        Schedule::Patches
+    } else {
+        Schedule::WholeBody
     }
 }
 

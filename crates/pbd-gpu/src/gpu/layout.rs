@@ -1,4 +1,4 @@
-//! Layouts of the GPU buffers, as in `shaders/types.wgsl`.
+//! Layouts of the GPU buffers. Each struct is declared once, for Rust and for WGSL.
 
 use crate::constraints::batches::OVERFLOW;
 use crate::constraints::coloring::LAYERS;
@@ -87,155 +87,233 @@ pub(crate) const UNUSED: f32 = -1.0;
 /// An entry of the constraint arena.
 pub(crate) type Entry = [u32; 2];
 
-/// Parameters of a frame.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub(crate) struct FrameUniform {
-    /// Change of velocity by gravity per substep [m/s].
-    pub(crate) gravity_step: [f32; 3],
-    /// Time step of a substep \[s\].
-    pub(crate) h: f32,
-    /// Height of the ground \[m\]; unused without ground.
-    pub(crate) ground: f32,
-    /// 1 if there is a ground, else 0.
-    pub(crate) has_ground: u32,
-    pub(crate) substeps: u32,
-    pub(crate) iterations: u32,
-    /// Rounds of contacts and volumes per iteration.
-    pub(crate) contact_rounds: u32,
-    /// 1 if the motion of a body is measured, else 0.
-    pub(crate) measures_motion: u32,
-    /// As in [`SolverParams`](crate::SolverParams).
-    pub(crate) diagonal_scale: f32,
-    pub(crate) pad: u32,
+/// Returns the name of a type in WGSL.
+macro_rules! wgsl_type {
+    (f32) => {
+        "f32"
+    };
+    (u32) => {
+        "u32"
+    };
+    ([f32; 3]) => {
+        "vec3f"
+    };
+    ([u32; $count:tt]) => {
+        concat!("array<u32, ", stringify!($count), ">")
+    };
+    ((atomic u32)) => {
+        "atomic<u32>"
+    };
+    ((atomic [u32; $count:tt])) => {
+        concat!("array<atomic<u32>, ", stringify!($count), ">")
+    };
 }
 
-/// Parameters of a dispatch.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
-pub(crate) struct PassUniform {
-    /// Index of the first [`Link`], whose first group is 0.
-    pub(crate) first_link: u32,
-    /// Number of links, at least 1.
-    pub(crate) links: u32,
-    /// [`STRETCH`], [`BENDING`], [`INTERIOR_SPRINGS`] or [`CONTACTS`].
-    pub(crate) kind: u32,
-    /// Color, or first color.
-    pub(crate) color: u32,
-    /// Number of colors of `tail` and `reset_multipliers`; number of substeps of `whole_body`.
-    pub(crate) colors: u32,
-    /// 1 if these two kernels include the overflow, else 0.
-    pub(crate) with_overflow: u32,
-    /// Index of the substep in the frame.
-    pub(crate) substep: u32,
-    /// 1 if `tail` and `patches` project lengths in reverse order, else 0.
-    pub(crate) is_back: u32,
+/// Returns a type without the mark of atomics.
+macro_rules! rust_type {
+    ((atomic $ty:ty)) => {
+        $ty
+    };
+    ($ty:ty) => {
+        $ty
+    };
 }
 
-/// Offsets and coefficients of a body.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub(crate) struct BodyRecord {
-    pub(crate) first_vertex: u32,
-    /// Vertex slots.
-    pub(crate) vertices: u32,
-    /// First pin in the [entries](Entry).
-    pub(crate) first_pin: u32,
-    pub(crate) pins: u32,
-    /// First attachment in the entries.
-    pub(crate) first_attachment: u32,
-    pub(crate) attachments: u32,
-    pub(crate) stretch_factor: f32,
-    pub(crate) stretch_alpha: f32,
-    pub(crate) stretch_carryover: f32,
-    pub(crate) bending_factor: f32,
-    pub(crate) bending_alpha: f32,
-    pub(crate) bending_carryover: f32,
-    /// Factor of velocities per substep, from damping.
-    pub(crate) velocity_factor: f32,
-    /// Coulomb friction coefficient.
-    pub(crate) friction: f32,
-    /// [`KEEPS_STRETCH`], [`KEEPS_BENDING`], [`KEEPS_VOLUME`], [`KEEPS_INTERIOR_SPRINGS`] and
-    /// [`SWEEPS_BACK`], [`IS_PRESSED`].
-    pub(crate) flags: u32,
-    /// First of its [`RUNS_PER_BODY`] runs.
-    pub(crate) first_run: u32,
-    /// Number of colors of stretch constraints.
-    pub(crate) stretch_colors: u32,
-    /// Number of colors of bending constraints.
-    pub(crate) bending_colors: u32,
-    /// First entry of the table of each patch layer; a table entry is the first entry of a block
-    /// and 0.
-    pub(crate) patch_tables: [u32; PATCH_LAYERS],
-    /// Number of patches of each layer.
-    pub(crate) patches: [u32; PATCH_LAYERS],
-    /// First entry and number of pieces with volume.
-    pub(crate) first_piece: u32,
-    pub(crate) pieces: u32,
-    /// First entry and number of chunks.
-    pub(crate) first_chunk: u32,
-    pub(crate) chunks: u32,
-    /// First entry of spokes: vertex and half-edge.
-    pub(crate) first_spoke: u32,
-    /// First entry and number of half-edges: origin and twin.
-    pub(crate) first_corner: u32,
-    pub(crate) corners: u32,
-    pub(crate) volume_alpha: f32,
-    pub(crate) volume_pressure: f32,
-    pub(crate) volume_recovery: f32,
-    pub(crate) volume_sink: f32,
-    pub(crate) volume_carryover: f32,
-    /// Number of colors of interior springs.
-    pub(crate) spring_colors: u32,
-    pub(crate) spring_factor: f32,
-    pub(crate) spring_alpha: f32,
-    pub(crate) spring_carryover: f32,
-    /// Number of contacts.
-    pub(crate) contacts: u32,
-    /// First entry and number of colliders.
-    pub(crate) first_collider: u32,
-    pub(crate) colliders: u32,
+/// Declares a struct of the buffers for Rust and for WGSL.
+macro_rules! gpu_struct {
+    (
+        $(#[$meta:meta])*
+        struct $name:ident as $wgsl:literal {
+            $( $(#[$member_meta:meta])* $member:ident: $ty:tt, )*
+        }
+    ) => {
+        $(#[$meta])*
+        #[repr(C)]
+        #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+        pub(crate) struct $name {
+            $( $(#[$member_meta])* pub(crate) $member: rust_type!($ty), )*
+        }
+
+        impl $name {
+            /// The declaration in WGSL.
+            pub(crate) const WGSL: &str = concat!(
+                "struct ", $wgsl, " {\n",
+                $( "    ", stringify!($member), ": ", wgsl_type!($ty), ",\n", )*
+                "}\n\n",
+            );
+
+            /// Names and offsets of the members.
+            #[cfg(test)]
+            pub(crate) const MEMBERS: &[(&str, usize)] =
+                &[$( (stringify!($member), std::mem::offset_of!($name, $member)), )*];
+        }
+    };
 }
 
-/// The constraints of one color of a body.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Pod, Zeroable)]
-pub(crate) struct Run {
-    /// First [entry](Entry).
-    pub(crate) first: u32,
-    /// Number of constraints.
-    pub(crate) len: u32,
+/// Declarations of all structs in WGSL.
+pub(crate) const STRUCTS: [&str; 6] = [
+    FrameUniform::WGSL,
+    PassUniform::WGSL,
+    BodyRecord::WGSL,
+    Run::WGSL,
+    Link::WGSL,
+    Report::WGSL,
+];
+
+gpu_struct! {
+    /// Parameters of a frame.
+    struct FrameUniform as "Frame" {
+        /// Change of velocity by gravity per substep [m/s].
+        gravity_step: [f32; 3],
+        /// Time step of a substep \[s\].
+        h: f32,
+        /// Height of the ground \[m\]; unused without ground.
+        ground: f32,
+        /// 1 if there is a ground, else 0.
+        has_ground: u32,
+        substeps: u32,
+        iterations: u32,
+        /// Rounds of contacts and volumes per iteration.
+        contact_rounds: u32,
+        /// 1 if the motion of a body is measured, else 0.
+        measures_motion: u32,
+        /// As in [`SolverParams`](crate::SolverParams).
+        diagonal_scale: f32,
+        pad: u32,
+    }
 }
 
-/// Assigns the workgroups from `first_group` up to that of the next link to a body.
-///
-/// The links of a pass ascend; the last one has all remaining groups.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
-pub(crate) struct Link {
-    /// First workgroup in the dispatch.
-    pub(crate) first_group: u32,
-    /// Index of the body.
-    pub(crate) body: u32,
+gpu_struct! {
+    /// Parameters of a dispatch.
+    #[derive(Eq)]
+    struct PassUniform as "Pass" {
+        /// Index of the first [`Link`], whose first group is 0.
+        first_link: u32,
+        /// Number of links, at least 1.
+        links: u32,
+        /// [`STRETCH`], [`BENDING`], [`INTERIOR_SPRINGS`] or [`CONTACTS`].
+        kind: u32,
+        /// Color, or first color.
+        color: u32,
+        /// Number of colors of `tail` and `reset_multipliers`; number of substeps of `whole_body`.
+        colors: u32,
+        /// 1 if these two kernels include the overflow, else 0.
+        with_overflow: u32,
+        /// Index of the substep in the frame.
+        substep: u32,
+        /// 1 if `tail` and `patches` project lengths in reverse order, else 0.
+        is_back: u32,
+    }
 }
 
-/// Results of a body from the GPU, as [`ordered`] bits.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
-pub(crate) struct Report {
-    /// Minimum predicted height of even and odd substeps \[m\].
-    pub(crate) lowest: [u32; 2],
-    /// Minimum corner of the bounding box \[m\].
-    pub(crate) box_min: [u32; 3],
-    /// Maximum corner of the bounding box \[m\].
-    pub(crate) box_max: [u32; 3],
-    /// First vertex with a position that is not finite, or [`u32::MAX`].
-    pub(crate) bad_vertex: u32,
-    /// Substep in which it became so, or [`u32::MAX`].
-    pub(crate) bad_substep: u32,
-    /// Maximum displacement along an axis in a substep since the last reset \[m\], as plain bits.
-    pub(crate) max_displacement: u32,
-    pub(crate) pad: u32,
+gpu_struct! {
+    /// Offsets and coefficients of a body.
+    struct BodyRecord as "Body" {
+        first_vertex: u32,
+        /// Vertex slots.
+        vertices: u32,
+        /// First pin in the [entries](Entry).
+        first_pin: u32,
+        pins: u32,
+        /// First attachment in the entries.
+        first_attachment: u32,
+        attachments: u32,
+        stretch_factor: f32,
+        stretch_alpha: f32,
+        stretch_carryover: f32,
+        bending_factor: f32,
+        bending_alpha: f32,
+        bending_carryover: f32,
+        /// Factor of velocities per substep, from damping.
+        velocity_factor: f32,
+        /// Coulomb friction coefficient.
+        friction: f32,
+        /// [`KEEPS_STRETCH`], [`KEEPS_BENDING`], [`KEEPS_VOLUME`], [`KEEPS_INTERIOR_SPRINGS`] and
+        /// [`SWEEPS_BACK`], [`IS_PRESSED`].
+        flags: u32,
+        /// First of its [`RUNS_PER_BODY`] runs.
+        first_run: u32,
+        /// Number of colors of stretch constraints.
+        stretch_colors: u32,
+        /// Number of colors of bending constraints.
+        bending_colors: u32,
+        /// First entry of the table of each patch layer; a table entry is the first entry of a
+        /// block and 0.
+        patch_tables: [u32; PATCH_LAYERS],
+        /// Number of patches of each layer.
+        patches: [u32; PATCH_LAYERS],
+        /// First entry and number of pieces with volume.
+        first_piece: u32,
+        pieces: u32,
+        /// First entry and number of chunks.
+        first_chunk: u32,
+        chunks: u32,
+        /// First entry of spokes: vertex and half-edge.
+        first_spoke: u32,
+        /// First entry and number of half-edges: origin and twin.
+        first_corner: u32,
+        corners: u32,
+        volume_alpha: f32,
+        volume_pressure: f32,
+        volume_recovery: f32,
+        volume_sink: f32,
+        volume_carryover: f32,
+        /// Number of colors of interior springs.
+        spring_colors: u32,
+        spring_factor: f32,
+        spring_alpha: f32,
+        spring_carryover: f32,
+        /// Number of contacts.
+        contacts: u32,
+        /// First entry and number of colliders.
+        first_collider: u32,
+        colliders: u32,
+    }
+}
+
+gpu_struct! {
+    /// The constraints of one color of a body.
+    #[derive(Default, Eq)]
+    struct Run as "Run" {
+        /// First [entry](Entry).
+        first: u32,
+        /// Number of constraints.
+        len: u32,
+    }
+}
+
+gpu_struct! {
+    /// Assigns the workgroups from `first_group` up to that of the next link to a body.
+    ///
+    /// The links of a pass ascend; the last one has all remaining groups.
+    #[derive(Eq)]
+    struct Link as "Link" {
+        /// First workgroup in the dispatch.
+        first_group: u32,
+        /// Index of the body.
+        body: u32,
+    }
+}
+
+gpu_struct! {
+    /// Results of a body from the GPU, as [`ordered`] bits.
+    #[derive(Eq)]
+    struct Report as "Report" {
+        /// Minimum predicted height of even and odd substeps \[m\].
+        lowest: (atomic [u32; 2]),
+        /// Minimum corner of the bounding box \[m\].
+        box_min: (atomic [u32; 3]),
+        /// Maximum corner of the bounding box \[m\].
+        box_max: (atomic [u32; 3]),
+        /// First vertex with a position that is not finite, or [`u32::MAX`].
+        bad_vertex: (atomic u32),
+        /// Substep in which it became so, or [`u32::MAX`].
+        bad_substep: (atomic u32),
+        /// Maximum displacement along an axis in a substep since the last reset \[m\], as plain
+        /// bits.
+        max_displacement: (atomic u32),
+        pad: u32,
+    }
 }
 
 impl Report {
@@ -265,7 +343,7 @@ impl Report {
 }
 
 /// Returns bits in the order of the floats, for integer atomics; -0 comes before 0.
-pub(crate) fn ordered(value: f32) -> u32 {
+pub(crate) const fn ordered(value: f32) -> u32 {
     let bits = value.to_bits();
     bits ^ if value.is_sign_negative() {
         u32::MAX
@@ -303,7 +381,6 @@ mod tests {
         for pair in ASCENDING.windows(2) {
             assert!(ordered(pair[0]) < ordered(pair[1]), "{pair:?}");
         }
-        // The shaders contain these two constants.
         assert_eq!(ordered(f32::INFINITY), 0xff80_0000);
         assert_eq!(ordered(f32::NEG_INFINITY), 0x007f_ffff);
     }

@@ -149,7 +149,7 @@ impl Pipelines {
         kernel: Kernel,
     ) -> Result<ComputePipeline, GpuError> {
         let (i, label) = match kernel {
-            Kernel::Pass(_) => (0, "colors"),
+            Kernel::Pass(_) => (0, "passes"),
             Kernel::WholeBody => (1, "whole body"),
             Kernel::Patches | Kernel::ResetPatches => (2, "patches"),
         };
@@ -158,7 +158,7 @@ impl Pipelines {
             None => {
                 let lanes = self.lanes;
                 let source = match i {
-                    0 => shaders::colors(lanes.pass, lanes.tail),
+                    0 => shaders::passes(lanes.pass, lanes.tail),
                     1 => shaders::whole_body(lanes.whole_body, self.capacity),
                     _ => shaders::patches(lanes.patch),
                 };

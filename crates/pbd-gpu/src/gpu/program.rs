@@ -144,9 +144,9 @@ impl Program {
 }
 
 impl Compiler<'_> {
-    /// Returns the bodies of the color and patch schedules.
+    /// Returns the bodies of [`Schedule::Patches`].
     pub(super) fn by_passes(&self) -> impl Iterator<Item = &Stepped<'_>> {
-        (self.bodies.iter()).filter(|b| b.body.schedule != Schedule::WholeBody)
+        (self.bodies.iter()).filter(|b| b.body.schedule == Schedule::Patches)
     }
 
     /// Merges the passes of these bodies in the order of [`Pass`].

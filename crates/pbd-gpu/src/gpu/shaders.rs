@@ -1,15 +1,8 @@
 //! Composes the shader modules: one WGSL file per kernel and one per schedule.
 
-use super::layout::{
-    ATTACHMENT_ENTRIES, BENDING, BENDING_ENTRIES, CHUNK_ENTRIES, COLLIDER_ENTRIES, CONTACT_ENTRIES,
-    CONTACT_FEATURES, CONTACT_RECOVERIES, CONTACTS, INTERIOR_SPRINGS, IS_PRESSED, KEEPS_BENDING,
-    KEEPS_INTERIOR_SPRINGS, KEEPS_STRETCH, KEEPS_VOLUME, PIECE_ENTRIES, PIN_ENTRIES, RUN_COLORS,
-    STRETCH, STRETCH_ENTRIES, SWEEPS_BACK,
-};
-use crate::constraints::batches::OVERFLOW;
-use crate::constraints::colliders::{PLANE, ROUND};
-use crate::constraints::coloring::MAX_COLORS;
-use crate::constraints::contacts::{Carried, ContactKind, NO_VERTEX};
+mod constants;
+
+use super::layout::STRUCTS;
 use crate::kernels::volume::CHUNK;
 use crate::patches::PATCH_VERTICES;
 
@@ -41,7 +34,7 @@ pub(crate) const PATCHES: &str = "patches";
 /// Entry point that resets the multipliers of the patches of a layer.
 pub(crate) const RESET_PATCHES: &str = "reset_patches";
 
-/// The entry points of the color schedule.
+/// The entry points of passes that are not within patches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum EntryPoint {
     /// One lane per vertex.
@@ -144,14 +137,14 @@ const SHARED: [&str; 15] = [
     include_str!("shaders/sweep.wgsl"),
 ];
 
-/// Returns the module of the color schedule with the entry points of [`EntryPoint`].
-pub(crate) fn colors(workgroup_size: u32, tail_size: u32) -> String {
+/// Returns the module of passes with the entry points of [`EntryPoint`].
+pub(crate) fn passes(workgroup_size: u32, tail_size: u32) -> String {
     let parts = [
         include_str!("shaders/storage.wgsl"),
         include_str!("../kernels/volume.wgsl"),
         include_str!("../kernels/bounds.wgsl"),
         include_str!("shaders/volumes.wgsl"),
-        include_str!("shaders/colors.wgsl"),
+        include_str!("shaders/passes.wgsl"),
     ];
     let constants = [("WORKGROUP_SIZE", workgroup_size), ("TAIL_SIZE", tail_size)];
     compose(&constants, &parts)
@@ -168,7 +161,7 @@ pub(crate) fn whole_body(workgroup_size: u32, capacity: u32) -> String {
     compose(&constants, &parts)
 }
 
-/// Returns the module of the patch schedule.
+/// Returns the module of passes within patches.
 pub(crate) fn patches(workgroup_size: u32) -> String {
     let constants = [
         ("WORKGROUP_SIZE", workgroup_size),
@@ -178,51 +171,11 @@ pub(crate) fn patches(workgroup_size: u32) -> String {
 }
 
 fn compose(constants: &[(&str, u32)], parts: &[&str]) -> String {
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "small constants of this crate"
-    )]
-    let layout = [
-        ("RUN_COLORS", RUN_COLORS as u32),
-        ("OVERFLOW", OVERFLOW as u32),
-        ("MAX_COLORS", MAX_COLORS as u32),
-        ("STRETCH", STRETCH),
-        ("BENDING", BENDING),
-        ("INTERIOR_SPRINGS", INTERIOR_SPRINGS),
-        ("CONTACTS", CONTACTS),
-        ("CONTACT_FEATURES", CONTACT_FEATURES),
-        ("CONTACT_RECOVERIES", CONTACT_RECOVERIES),
-        ("CONTACT_VERTEX_POINT", ContactKind::VertexPoint as u32),
-        ("CONTACT_EDGE_EDGE", ContactKind::EdgeEdge as u32),
-        ("CONTACT_PLANE", ContactKind::Plane as u32),
-        ("CARRIED_FIRST", Carried::First as u32),
-        ("CARRIED_SECOND", Carried::Second as u32),
-        ("CONTACT_ENTRIES", CONTACT_ENTRIES as u32),
-        ("NO_VERTEX", NO_VERTEX),
-        ("COLLIDER_ENTRIES", COLLIDER_ENTRIES as u32),
-        ("PLANE", PLANE),
-        ("ROUND", ROUND),
-        ("STRETCH_ENTRIES", STRETCH_ENTRIES as u32),
-        ("BENDING_ENTRIES", BENDING_ENTRIES as u32),
-        ("PIN_ENTRIES", PIN_ENTRIES as u32),
-        ("ATTACHMENT_ENTRIES", ATTACHMENT_ENTRIES as u32),
-        ("SWEEPS_BACK", SWEEPS_BACK),
-        ("IS_PRESSED", IS_PRESSED),
-        ("KEEPS_STRETCH", KEEPS_STRETCH),
-        ("KEEPS_BENDING", KEEPS_BENDING),
-        ("PIECE_ENTRIES", PIECE_ENTRIES as u32),
-        ("CHUNK_ENTRIES", CHUNK_ENTRIES as u32),
-        ("KEEPS_VOLUME", KEEPS_VOLUME),
-        ("KEEPS_INTERIOR_SPRINGS", KEEPS_INTERIOR_SPRINGS),
-        ("CHUNK", CHUNK as u32),
-    ];
-    let constants = constants
-        .iter()
-        .chain(&layout)
-        .map(|(name, value)| format!("const {name}: u32 = {value}u;\n"));
-    constants
-        .chain(SHARED.iter().chain(parts).map(|&part| part.to_owned()))
-        .collect()
+    let mut module = constants::text(constants);
+    for part in STRUCTS.iter().chain(&SHARED).chain(parts) {
+        module.push_str(part);
+    }
+    module
 }
 
 #[cfg(test)]

@@ -7,12 +7,12 @@ pub enum Schedule {
     ///
     /// All such bodies share one dispatch.
     WholeBody,
-    /// One dispatch per color over all such bodies; small colors and the overflow share one.
-    Colors,
-    /// One dispatch per patch layer, with the vertices of a patch in workgroup memory.
+    /// One dispatch per pass over all such bodies, for bodies that do not fit in a workgroup.
     ///
-    /// Constraints between patches are stepped as in [`Schedule::Colors`]. Requires a divided body,
-    /// see [`Solver::with_patches`](crate::Solver::with_patches).
+    /// A layer of patches has one dispatch, with the vertices of a patch in workgroup memory.
+    /// Constraints between patches have one dispatch per color, and so have all constraints of an
+    /// undivided body: divide large bodies with
+    /// [`Solver::with_patches`](crate::Solver::with_patches).
     Patches,
 }
 
@@ -22,7 +22,6 @@ impl Schedule {
     pub const fn name(self) -> &'static str {
         match self {
             Self::WholeBody => "whole-body",
-            Self::Colors => "colors",
             Self::Patches => "patches",
         }
     }
@@ -46,8 +45,6 @@ pub struct GpuMemory {
 pub struct GpuStats {
     /// Bodies stepped under [`Schedule::WholeBody`].
     pub whole_bodies: u32,
-    /// Bodies stepped under [`Schedule::Colors`].
-    pub color_bodies: u32,
     /// Bodies stepped under [`Schedule::Patches`].
     pub patch_bodies: u32,
     /// Dispatches of the step.

@@ -184,12 +184,11 @@ impl GpuBackend {
         }
         let rounds = (resident.body).rounds(lanes.whole_body, solver.plan());
         if resident.body.schedule == Schedule::WholeBody && rounds > lanes.rounds {
-            // A substep exceeds the limit of loops. The color schedule uses the same runs.
-            resident.body.schedule = Schedule::Colors;
+            // A substep exceeds the limit of loops. Its runs stay as they are.
+            resident.body.schedule = Schedule::Patches;
         }
         match resident.body.schedule {
             Schedule::WholeBody => stats.whole_bodies += 1,
-            Schedule::Colors => stats.color_bodies += 1,
             Schedule::Patches => stats.patch_bodies += 1,
         }
         let times = u64::from(constants.substeps) * u64::from(solver.plan().iterations());

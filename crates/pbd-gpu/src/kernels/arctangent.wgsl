@@ -1,20 +1,5 @@
 // WGSL counterpart of `arctangent.rs`.
 
-const PI: f32 = 3.14159265358979;
-const TAU: f32 = 6.28318530717959;
-const HALF_PI: f32 = 1.57079632679490;
-
-const COEFFICIENTS = array<f32, 8>(
-    0.99999934,
-    -0.3332986,
-    0.19946566,
-    -0.1390863,
-    0.09642197,
-    -0.05591233,
-    0.02186296,
-    -0.0040545675,
-);
-
 // Returns the angle of the point (x, y) [rad], -pi to pi, and 0 at the origin.
 fn arctangent2(y: f32, x: f32) -> f32 {
     let ax = abs(x);

@@ -1,7 +1,5 @@
 // WGSL counterpart of `attachments.rs`.
 
-const RETURN: f32 = 0.05;
-
 // Moves the vertex of the attachment at an entry back within its length.
 fn pull_to_anchor(at: u32) {
     let ends = constraints[at];

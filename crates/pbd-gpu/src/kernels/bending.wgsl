@@ -1,23 +1,5 @@
 // WGSL counterpart of `bending.rs`, which explains the formulas.
 
-const FLAT: f32 = 1e-5;
-const MAX_TURN: f32 = 0.1;
-const RECOVERY: f32 = 3.0;
-const HOLD: f32 = 10.0;
-const FOLLOW: f32 = 0.3;
-const FREE: f32 = 1e4;
-const LIMP: f32 = 100.0;
-const FIRM: f32 = 1e30;
-
-// The built-in functions may round in another order.
-fn cross_product(a: vec3f, b: vec3f) -> vec3f {
-    return vec3f(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-}
-
-fn dot_product(a: vec3f, b: vec3f) -> f32 {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
 // Projects the constraint at an entry.
 fn project_bending(at: u32, by: Projection) {
     let hinge = constraints[at];

@@ -1,7 +1,5 @@
 // WGSL counterpart of `colliders.rs`.
 
-const TOUCH: f32 = 2.3841858e-7;
-
 struct Separation {
     distance: f32,
     normal: vec3f,

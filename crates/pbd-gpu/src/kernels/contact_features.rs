@@ -15,10 +15,10 @@ use super::particle_state::{ParticleState, ParticleStates};
 use crate::constraints::contacts::{ContactKind, ContactRecord};
 
 /// Distance of an inactive contact \[m\], less than any other.
-pub(super) const INACTIVE: f32 = -1e30;
+pub(crate) const INACTIVE: f32 = -1e30;
 
 /// Minimum squared sine between two edges.
-const MIN_SQUARED_SINE: f32 = 1e-4;
+pub(crate) const MIN_SQUARED_SINE: f32 = 1e-4;
 
 /// Finds the features of all contacts between pairs, and begins their sums of friction.
 ///

@@ -1,8 +1,5 @@
 // WGSL counterpart of `contact_features.rs`.
 
-const INACTIVE: f32 = -1e30;
-const MIN_SQUARED_SINE: f32 = 1e-4;
-
 // Weights and normal of a contact, and the signed distance of its features.
 struct Features {
     weights: vec4f,
@@ -10,24 +7,16 @@ struct Features {
     distance: f32,
 }
 
-fn dot_of(a: vec3f, b: vec3f) -> f32 {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-fn cross_of(a: vec3f, b: vec3f) -> vec3f {
-    return vec3f(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-}
-
 // Returns the barycentric coordinates of the point of a triangle nearest to a point.
 fn nearest_weights(ab: vec3f, ac: vec3f, ap: vec3f) -> vec3f {
-    let d1 = dot_of(ab, ap);
-    let d2 = dot_of(ac, ap);
+    let d1 = dot_product(ab, ap);
+    let d2 = dot_product(ac, ap);
     if (d1 <= 0.0 && d2 <= 0.0) {
         return vec3f(1.0, 0.0, 0.0);
     }
     let bp = ap - ab;
-    let d3 = dot_of(ab, bp);
-    let d4 = dot_of(ac, bp);
+    let d3 = dot_product(ab, bp);
+    let d4 = dot_product(ac, bp);
     if (d3 >= 0.0 && d4 <= d3) {
         return vec3f(0.0, 1.0, 0.0);
     }
@@ -37,8 +26,8 @@ fn nearest_weights(ab: vec3f, ac: vec3f, ap: vec3f) -> vec3f {
         return vec3f(1.0 - t, t, 0.0);
     }
     let cp = ap - ac;
-    let d5 = dot_of(ab, cp);
-    let d6 = dot_of(ac, cp);
+    let d5 = dot_product(ab, cp);
+    let d6 = dot_product(ac, cp);
     if (d6 >= 0.0 && d5 <= d6) {
         return vec3f(0.0, 0.0, 1.0);
     }
@@ -66,17 +55,17 @@ fn vertex_face(kind: u32, v: vec4u, old_weights: vec4f, old: vec3f, thickness: f
     let ab = load_x(v.z).xyz - xa;
     let ac = load_x(v.w).xyz - xa;
     let av = load_x(v.x).xyz - xa;
-    let area = cross_of(ab, ac);
-    let area_square = dot_of(area, area);
+    let area = cross_product(ab, ac);
+    let area_square = dot_product(area, area);
     if (!(area_square > 0.0)) {
         return Features(old_weights, old, INACTIVE);
     }
     let w = nearest_weights(ab, ac, av);
     let weights = vec4f(1.0, -w.x, -w.y, -w.z);
     let offset = av - (w.y * ab + w.z * ac);
-    let square = dot_of(offset, offset);
+    let square = dot_product(offset, offset);
     let normal = area / sqrt(area_square);
-    let height = dot_of(normal, av);
+    let height = dot_product(normal, av);
     let is_inside = w.x > 0.0 && w.y > 0.0 && w.z > 0.0;
     if (kind == CONTACT_VERTEX_POINT && !is_inside) {
         if (!(height > 0.0 && square > 0.0)) {
@@ -96,13 +85,13 @@ fn edge_edge(v: vec4u, old_weights: vec4f, old: vec3f) -> Features {
     let ab = load_x(v.y).xyz - xa;
     let cd = load_x(v.w).xyz - xc;
     let ca = xa - xc;
-    let aa = dot_of(ab, ab);
-    let ee = dot_of(cd, cd);
-    let bb = dot_of(ab, cd);
-    let first = dot_of(ab, ca);
-    let second = dot_of(cd, ca);
-    let across = cross_of(ab, cd);
-    let square = dot_of(across, across);
+    let aa = dot_product(ab, ab);
+    let ee = dot_product(cd, cd);
+    let bb = dot_product(ab, cd);
+    let first = dot_product(ab, ca);
+    let second = dot_product(cd, ca);
+    let across = cross_product(ab, cd);
+    let square = dot_product(across, across);
     if (!(square > MIN_SQUARED_SINE * (aa * ee))) {
         return Features(old_weights, old, INACTIVE);
     }
@@ -112,9 +101,9 @@ fn edge_edge(v: vec4u, old_weights: vec4f, old: vec3f) -> Features {
         return Features(old_weights, old, INACTIVE);
     }
     let length = sqrt(square);
-    let side = select(length, -length, dot_of(across, old) < 0.0);
+    let side = select(length, -length, dot_product(across, old) < 0.0);
     let normal = across / side;
-    return Features(vec4f(1.0 - s, s, t - 1.0, -t), normal, dot_of(normal, ca));
+    return Features(vec4f(1.0 - s, s, t - 1.0, -t), normal, dot_product(normal, ca));
 }
 
 // Returns the vector from the second feature to the first one at the start of the substep.

@@ -156,13 +156,13 @@ fn lesser(a: f32, b: f32) -> f32 {
 }
 
 /// Rate at which a distance below the minimum grows, relative to the missing distance [1/s].
-const RECOVERY: f32 = 5.0;
+pub(crate) const RECOVERY: f32 = 5.0;
 
 /// Maximum missing distance that recovers at once [minimum distances].
-const MAX_MISSING: f32 = 2.0;
+pub(crate) const MAX_MISSING: f32 = 2.0;
 
 /// Recovery of a carried feature per substep [displacements by gravity].
-const LIFT: f32 = 4.0;
+pub(crate) const LIFT: f32 = 4.0;
 
 /// Ends a substep of `h` \[s\]: active contacts of pairs separate without velocity.
 ///

@@ -16,8 +16,6 @@ fn hold(at: u32, slide: vec3f, more: f32) -> vec3f {
     return held - before;
 }
 
-const MAX_SHARE: f32 = 8.0;
-
 fn greater(a: f32, b: f32) -> f32 {
     return select(a, b, b > a);
 }
@@ -112,10 +110,6 @@ fn project_contact(at: u32) {
         }
     }
 }
-
-const CONTACT_RECOVERY: f32 = 5.0;
-const MAX_MISSING: f32 = 2.0;
-const LIFT: f32 = 4.0;
 
 // Lets the contact at an entry separate without velocity, if it is active.
 fn recover_contact(at: u32) {

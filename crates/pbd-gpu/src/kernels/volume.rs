@@ -23,7 +23,7 @@
 //!
 //! `steps` decides how much of an error a substep corrects.
 
-mod motion;
+pub(crate) mod motion;
 pub(crate) mod steps;
 mod tree;
 

@@ -3,14 +3,6 @@
 //
 // Gradients are stored in the velocities, which are unused between predict() and integrate().
 
-const SIXTH: f32 = 0.16666667;
-const THIRD: f32 = 0.33333334;
-const AREA: f32 = 0.75;
-const CRUSHED: f32 = 60.0;
-const STEP: f32 = 0.125;
-const PRESS: f32 = 0.125;
-const EASE: f32 = 8.0;
-
 struct Around {
     gradient: vec3f,
     place: f32,

@@ -308,7 +308,6 @@ impl GpuBodies for ResidentBodies {
         stats.gpu_bodies = count;
         stats.dispatches = done.dispatches;
         stats.whole_bodies = done.whole_bodies;
-        stats.color_bodies = done.color_bodies;
         stats.patch_bodies = done.patch_bodies;
         stats.kernels_compiled = done.kernels_compiled;
         stats.bytes_uploaded = done.bytes_uploaded;

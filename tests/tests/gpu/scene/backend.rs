@@ -45,7 +45,7 @@ pub(crate) fn lost_after_a_checkpoint(context: Context) {
     };
     let mut scene = Scene::with_context(params, &request(BackendChoice::Auto), context).unwrap();
     // Its kernels compile faster than that of whole bodies.
-    scene.force_schedule(Some(Schedule::Colors));
+    scene.force_schedule(Some(Schedule::Patches));
     let id = add(&mut scene, Model::Sphere80, 0.0);
     for _ in 0..20 {
         assert!(!scene.step().unwrap().fell_back);

@@ -216,7 +216,7 @@ fn at_rest(context: Context) {
         assert_eq!((stats.gpu_bodies, stats.readbacks), (2, 0));
         assert_eq!((stats.readbacks_skipped, stats.bytes_read), (2, 0));
         assert!(stats.dispatches > 0);
-        assert_eq!(stats.whole_bodies + stats.color_bodies, 2);
+        assert_eq!(stats.whole_bodies + stats.patch_bodies, 2);
         // The first frame uploads the bodies, the second one the frame's parameters.
         assert!(frame < 2 || stats.bytes_uploaded <= uploaded);
         uploaded = stats.bytes_uploaded;

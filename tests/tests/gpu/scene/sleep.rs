@@ -140,7 +140,7 @@ fn costs_nothing(context: Context) {
     for frame in 0..5 {
         let stats = *scene.step().unwrap();
         assert_eq!((stats.sleeping_bodies, stats.gpu_bodies), (1, 1));
-        assert_eq!(stats.whole_bodies + stats.color_bodies, 1);
+        assert_eq!(stats.whole_bodies + stats.patch_bodies, 1);
         assert_eq!(stats.woken, u32::from(frame == 0));
         assert!(stats.dispatches > 0);
         read += stats.bytes_read;

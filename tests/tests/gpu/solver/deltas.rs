@@ -25,8 +25,8 @@ pub(crate) fn to_the_bit(context: Context) {
 
 /// An edit uploads what it changed, however large the body is.
 pub(super) fn uploaded_bytes(context: Context) {
-    for schedule in [Schedule::Colors, Schedule::Patches] {
-        an_edit_uploads_its_changes(context.clone(), schedule);
+    for patches in [None, Some(PatchParams::default())] {
+        an_edit_uploads_its_changes(context.clone(), patches.as_ref());
     }
 }
 
@@ -130,7 +130,7 @@ fn edited_equals_uploaded(
             edit_both(&mut twin, &mut dice);
         }
         twin.update(&mut gpu);
-        let mut others: Vec<_> = [schedule, Schedule::Colors]
+        let mut others: Vec<_> = SCHEDULES
             .into_iter()
             .map(|schedule| {
                 let (surface, mut solver) = (twin.on_gpu.clone(), twin.solver.clone());
@@ -260,18 +260,17 @@ struct Sent {
     hundred: u64,
 }
 
-fn sent(gpu: &mut GpuBackend, mut surface: Surface, schedule: Schedule) -> Sent {
+fn sent(gpu: &mut GpuBackend, mut surface: Surface, patches: Option<&PatchParams>) -> Sent {
     let params = SolverParams {
         iterations: 1,
         ..SolverParams::paper()
     };
     let material = Material::default();
-    let patches = (schedule == Schedule::Patches).then(PatchParams::default);
     let mut solver =
-        Solver::with_patches(&mut surface, &material, patches.as_ref()).expect("a valid sphere");
-    gpu.force_schedule(Some(schedule));
+        Solver::with_patches(&mut surface, &material, patches).expect("a valid sphere");
+    gpu.force_schedule(Some(Schedule::Patches));
     let body = gpu.add(&surface, &mut solver).expect("room");
-    let mut dice = Random::new(3);
+    let mut dice = Random::new(4);
     let mut sent = |gpu: &mut GpuBackend, splits: usize| {
         gpu.read(body, &mut surface, &mut solver).expect("a state");
         for _ in 0..splits {
@@ -301,14 +300,11 @@ fn sent(gpu: &mut GpuBackend, mut surface: Surface, schedule: Schedule) -> Sent 
 /// dispatches are sent anew, which are as long for all bodies. By patches it takes the blocks of
 /// those that lost or got a constraint, mostly one or two; a patch of 256 vertices has one of about
 /// 30 KB.
-fn an_edit_uploads_its_changes(context: Context, schedule: Schedule) {
-    let most = match schedule {
-        Schedule::Patches => 60_000,
-        _ => 16_000,
-    };
+fn an_edit_uploads_its_changes(context: Context, patches: Option<&PatchParams>) {
+    let most = if patches.is_some() { 60_000 } else { 16_000 };
     let mut gpu = GpuBackend::from_context(context).expect("a device");
-    let small = sent(&mut gpu, icosphere(4, 0.5), schedule);
-    let large = sent(&mut gpu, icosphere(5, 0.5), schedule);
+    let small = sent(&mut gpu, icosphere(4, 0.5), patches);
+    let large = sent(&mut gpu, icosphere(5, 0.5), patches);
     for (sent, triangles) in [(&small, 5120), (&large, 20_480)] {
         // 1.5 edges a triangle, 16 bytes of stretch and 24 of bending each, and half a vertex of
         // 32.

@@ -2,7 +2,7 @@
 
 use incise_mesh::{HalfEdge, Surface, torus};
 use incise_pbd_gpu::{Context, GpuBackend, Material, PatchParams, Schedule, Solver};
-use incise_test_support::cpu_gpu_pair::{CpuGpuPair, solver_for, with_most_features};
+use incise_test_support::cpu_gpu_pair::{CpuGpuPair, SCHEDULES, solver_for, with_most_features};
 use incise_test_support::edits::split;
 use incise_test_support::gpu::Needs;
 use incise_test_support::materials::elastic_shell;
@@ -14,8 +14,8 @@ const MAX_OFFSET: f64 = 1e-4;
 
 /// A body outgrows the memory of its workgroup, on a strict adapter.
 pub(crate) fn out_of_a_workgroup(context: Context) {
-    for next in [Schedule::Colors, Schedule::Patches] {
-        outgrown(context.clone(), next);
+    for solver_of in SCHEDULES {
+        outgrown(context.clone(), solver_of);
     }
 }
 
@@ -23,18 +23,17 @@ pub(crate) fn out_of_a_workgroup(context: Context) {
 pub(crate) fn motions(context: Context) {
     let portable = Context::open(&Needs::AnyDevice.portable_request()).expect("an adapter");
     every_schedule(&mut GpuBackend::from_context(portable.clone()).expect("a device"));
-    outgrow(context, Schedule::Patches);
-    outgrow(portable, Schedule::Colors);
+    outgrow(context, Some(PatchParams::default()));
+    outgrow(portable, None);
 }
 
-/// A body that outgrows the memory of a workgroup continues by patches if it has any, else by
-/// colors.
-fn outgrown(context: Context, next: Schedule) {
+/// A body that outgrows the memory of a workgroup continues pass by pass, divided or not.
+fn outgrown(context: Context, solver_of: Schedule) {
     let (material, params) = with_most_features();
     let mut gpu = GpuBackend::from_context(context).expect("a device");
     let torus_with_solver = |segments| {
         let mut surface = torus(1.0, 0.3, segments, 8);
-        let solver = solver_for(&mut surface, &material, next);
+        let solver = solver_for(&mut surface, &material, solver_of);
         (surface, solver)
     };
     let mut largest = 0;
@@ -43,7 +42,7 @@ fn outgrown(context: Context, next: Schedule) {
         let body = gpu.add(&surface, &mut solver).expect("room");
         let schedule = gpu.schedule(body).expect("it was added");
         gpu.remove(body);
-        if schedule == next {
+        if schedule == Schedule::Patches {
             break;
         }
         largest = segments;
@@ -60,13 +59,12 @@ fn outgrown(context: Context, next: Schedule) {
         twin.step(&mut gpu, &params);
         twin.assert_equal(&mut gpu, &format!("after {i} splits"));
     }
-    assert_eq!(gpu.schedule(twin.body), Ok(next));
+    assert_eq!(gpu.schedule(twin.body), Ok(Schedule::Patches));
 }
 
 /// A body that turns, so that every vertex has a velocity of its own.
-fn turning(surface: Surface, material: &Material, schedule: Schedule) -> Body {
+fn turning(surface: Surface, material: &Material, patches: Option<PatchParams>) -> Body {
     let mut surface = surface;
-    let patches = (schedule == Schedule::Patches).then(PatchParams::default);
     let mut solver =
         Solver::with_patches(&mut surface, material, patches.as_ref()).expect("a body");
     for v in surface.topology().vertices() {
@@ -79,13 +77,14 @@ fn turning(surface: Surface, material: &Material, schedule: Schedule) -> Body {
 
 fn every_schedule(gpu: &mut GpuBackend) {
     let [elastic, default] = [elastic_shell(1e-4, 1e-1), Material::default()];
-    for (subdivisions, material, schedule) in [
-        (2, default, Schedule::WholeBody),
-        (2, elastic, Schedule::Colors),
-        (4, default, Schedule::Colors),
-        (4, elastic, Schedule::Patches),
+    let divided = Some(PatchParams::default());
+    for (subdivisions, material, schedule, patches) in [
+        (2, default, Schedule::WholeBody, None),
+        (2, elastic, Schedule::Patches, None),
+        (4, default, Schedule::Patches, None),
+        (4, elastic, Schedule::Patches, divided),
     ] {
-        let mut there = turning(ball(subdivisions, 0.6), &material, schedule);
+        let mut there = turning(ball(subdivisions, 0.6), &material, patches);
         let mut here = there.clone();
         gpu.force_schedule(Some(schedule));
         let body = gpu.add(&there.surface, &mut there.solver).expect("room");
@@ -107,10 +106,11 @@ fn every_schedule(gpu: &mut GpuBackend) {
 }
 
 /// Splits edges until the backend has replaced its buffers by larger ones twice.
-fn outgrow(context: Context, schedule: Schedule) {
+fn outgrow(context: Context, patches: Option<PatchParams>) {
     let mut gpu = GpuBackend::from_context(context).expect("a device");
     // Its vertices with their slack just fit the first buffers.
-    let mut there = turning(ball(4, 0.6), &elastic_shell(1e-4, 1e-1), schedule);
+    let mut there = turning(ball(4, 0.6), &elastic_shell(1e-4, 1e-1), patches);
+    gpu.force_schedule(Some(Schedule::Patches));
     let body = gpu.add(&there.surface, &mut there.solver).expect("room");
     let first = gpu.memory().reserved;
     let (mut has_grown, mut next) = (false, 0);

@@ -8,11 +8,10 @@ use cases::{
     Body, CASES, CRUMPLED, Case, DRIFT, UNFOLDING, WELL_CONDITIONED, aim, bodies, params, standing,
 };
 use incise_mesh::VertexId;
-use incise_pbd_gpu::{Context, GpuBackend, GpuBody, GpuError, Schedule, SolverParams, Stiffness};
+use incise_pbd_gpu::{Context, GpuBackend, GpuBody, GpuError, SolverParams, Stiffness};
+use incise_test_support::cpu_gpu_pair::SCHEDULES;
 
 const DT: f32 = 1.0 / 60.0;
-
-const SCHEDULES: [Schedule; 2] = [Schedule::WholeBody, Schedule::Colors];
 
 /// Every kernel on a strict adapter, in every state of [`CASES`] and after other frames and bodies.
 pub(crate) fn to_the_bit(context: Context) {

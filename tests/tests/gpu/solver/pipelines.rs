@@ -39,7 +39,7 @@ fn bare() -> (Material, SolverParams) {
 }
 
 fn absent(mut gpu: GpuBackend) {
-    gpu.force_schedule(Some(Schedule::Colors));
+    gpu.force_schedule(Some(Schedule::Patches));
     let (material, params) = bare();
     let mut surface = sphere(4, [0.0; 3]);
     let mut solver = Solver::new(&mut surface, &material).expect("a valid body");
@@ -62,7 +62,7 @@ fn absent(mut gpu: GpuBackend) {
 }
 
 fn comes(mut gpu: GpuBackend) {
-    gpu.force_schedule(Some(Schedule::Colors));
+    gpu.force_schedule(Some(Schedule::Patches));
     let (material, params) = bare();
     let mut surface = sphere(4, [0.0; 3]);
     let mut solver = Solver::new(&mut surface, &material).expect("a valid body");

@@ -1,10 +1,6 @@
 // Bit patterns of floats. Drivers may assume that no float is infinite or NaN, so kernels detect
 // such values by their bits only. `layout.rs` has the same functions.
 
-// Values of ordered() for infinity and negative infinity.
-const ORDERED_INFINITY: u32 = 0xff800000u;
-const ORDERED_NEGATIVE_INFINITY: u32 = 0x007fffffu;
-
 fn is_finite(value: f32) -> bool {
     return (bitcast<u32>(value) & 0x7f800000u) != 0x7f800000u;
 }

@@ -1,4 +1,4 @@
-// Kernel of the patch schedule: one workgroup per patch, with its vertices in workgroup memory.
+// Kernels of passes within patches: one workgroup per patch, with its vertices in workgroup memory.
 //
 // A patch is a block of entries: (vertices, stretch colors | bending colors << 16), its vertices
 // two by two, one run per color, then the constraints with patch-local vertex indices. No color of

@@ -1,91 +1,5 @@
 // Declarations shared by all kernels: the arenas of all bodies and the parameters of a frame and of
-// a pass. `layout.rs` has the same structs. `shaders.rs` prepends the constants in capital letters.
-
-struct Frame {
-    gravity_step: vec3f,
-    h: f32,
-    ground: f32,
-    has_ground: u32,
-    substeps: u32,
-    iterations: u32,
-    contact_rounds: u32,
-    measures_motion: u32,
-    diagonal_scale: f32,
-    pad_0: u32,
-}
-
-struct Pass {
-    first_link: u32,
-    links: u32,
-    kind: u32,
-    color: u32,
-    colors: u32,
-    with_overflow: u32,
-    substep: u32,
-    is_back: u32,
-}
-
-struct Body {
-    first_vertex: u32,
-    vertices: u32,
-    first_pin: u32,
-    pins: u32,
-    first_attachment: u32,
-    attachments: u32,
-    stretch_factor: f32,
-    stretch_alpha: f32,
-    stretch_carryover: f32,
-    bending_factor: f32,
-    bending_alpha: f32,
-    bending_carryover: f32,
-    velocity_factor: f32,
-    friction: f32,
-    flags: u32,
-    first_run: u32,
-    stretch_colors: u32,
-    bending_colors: u32,
-    patch_tables: array<u32, 3>,
-    patches: array<u32, 3>,
-    first_piece: u32,
-    pieces: u32,
-    first_chunk: u32,
-    chunks: u32,
-    first_spoke: u32,
-    first_corner: u32,
-    corners: u32,
-    volume_alpha: f32,
-    volume_pressure: f32,
-    volume_recovery: f32,
-    volume_sink: f32,
-    volume_carryover: f32,
-    spring_colors: u32,
-    spring_factor: f32,
-    spring_alpha: f32,
-    spring_carryover: f32,
-    contacts: u32,
-    first_collider: u32,
-    colliders: u32,
-}
-
-struct Run {
-    first: u32,
-    len: u32,
-}
-
-struct Link {
-    first_group: u32,
-    body: u32,
-}
-
-struct Report {
-    lowest: array<atomic<u32>, 2>,
-    box_min: array<atomic<u32>, 3>,
-    box_max: array<atomic<u32>, 3>,
-    bad_vertex: atomic<u32>,
-    bad_substep: atomic<u32>,
-    max_displacement: atomic<u32>,
-    pad_0: u32,
-}
+// a pass. `layout.rs` declares their structs, `constants.rs` the constants in capital letters.
 
 // Coefficients of one projection, as in constants.rs.
 struct Projection {
@@ -136,6 +50,15 @@ fn norm(v: vec3f) -> f32 {
     return sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
 }
 
+// The built-in functions may round in another order.
+fn cross_product(a: vec3f, b: vec3f) -> vec3f {
+    return vec3f(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+
+fn dot_product(a: vec3f, b: vec3f) -> f32 {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
 fn stretch_projection(body: Body) -> Projection {
     return Projection(
         body.stretch_factor,
@@ -146,9 +69,6 @@ fn stretch_projection(body: Body) -> Projection {
         frame.diagonal_scale,
     );
 }
-
-// As in interior_springs.rs.
-const SPRING_DIAGONAL_SCALE: f32 = 10.0;
 
 // Returns the coefficients of edges or of interior springs.
 fn edge_projection(body: Body, kind: u32) -> Projection {

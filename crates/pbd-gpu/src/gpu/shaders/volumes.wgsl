@@ -1,4 +1,4 @@
-// Kernels of volume constraints in the color schedule.
+// Kernels of volume constraints, one dispatch per pass.
 
 // Leaves of the reduction tree of a chunk or a piece.
 var<workgroup> leaves: array<vec4f, CHUNK>;

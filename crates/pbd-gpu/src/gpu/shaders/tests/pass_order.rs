@@ -4,6 +4,7 @@ use super::*;
 use crate::constraints::batches::{BendingSet, StretchSet};
 use crate::constraints::coloring::LAYERS;
 use crate::constraints::edges::EdgeId;
+use crate::gpu::layout::{CONTACT_FEATURES, CONTACT_RECOVERIES, CONTACTS};
 use crate::step::pass::{ConstraintKind, Pass};
 use crate::step::plan::{PlanKey, StepPlan};
 use incise_mesh::VertexId;

@@ -1,4 +1,4 @@
-// Kernels of the color schedule: one dispatch per pass, over the bodies of the pass's links.
+// Kernels of one dispatch per pass, over the bodies of the pass's links.
 
 // Minimum predicted height in the workgroup, as ordered bits.
 var<workgroup> lowest: atomic<u32>;
