@@ -235,9 +235,9 @@ mod tests {
         ];
         let rows = rows.map(|row| serde_json::from_str(row).unwrap());
         let expected = "seed 1\n
-name     ms_
+         ms_
         cut_
-         all  failures
+name     all  failures
 a     0.5000         0
 bc         -         1
 bc: failures: no
