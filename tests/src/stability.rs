@@ -220,7 +220,7 @@ mod tests {
 
     #[test]
     fn a_verdict_is_that_of_the_worst_run() {
-        let runner = Runner::cpu(Vec::new());
+        let runner = Runner::cpu();
         let [first, second, limits] = CASE.verdicts(&runner).try_into().unwrap();
         assert!(first.passed() && first.runs == 3, "{first:?}");
         assert!(second.passed() && second.runs == 1, "{second:?}");

@@ -106,17 +106,16 @@ fn open(
     backend: BackendChoice,
     machine: &str,
 ) -> Result<(Runner, String), Box<dyn Error>> {
-    let subjects = match &arguments.models {
-        Some(folder) => subjects(folder)?,
-        None => Subject::built_in(),
-    };
     let (mut runner, device) = match backend {
         #[cfg(feature = "gpu")]
-        BackendChoice::Gpu => Runner::gpu(subjects, arguments.backends.adapter.as_deref())?,
+        BackendChoice::Gpu => Runner::gpu(arguments.backends.adapter.as_deref())?,
         #[cfg(not(feature = "gpu"))]
         BackendChoice::Gpu => return Err(crate::no_gpu::NoGpu.into()),
-        _ => (Runner::cpu(subjects), machine.to_owned()),
+        _ => (Runner::cpu(), machine.to_owned()),
     };
+    if let Some(folder) = &arguments.models {
+        runner = runner.with_subjects(subjects(folder)?);
+    }
     runner.samples = arguments.samples;
     runner.matching.clone_from(&arguments.matching);
     Ok((runner, device))

@@ -10,8 +10,8 @@ use incise_pbd_gpu::{Material, Solver, SolverParams};
 use incise_scene::{BackendChoice, BackendRequest};
 use incise_test_support::energy::{EnergyBudget, Limits, batches};
 use std::num::NonZeroUsize;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, OnceLock};
 use std::thread;
 
 /// A mesh of cases over models, of [one size](unit_size).
@@ -32,8 +32,7 @@ impl Subject {
     }
 
     /// Returns the built-in models.
-    #[must_use]
-    pub fn built_in() -> Vec<Self> {
+    pub(super) fn built_in() -> Vec<Self> {
         let of = |model: Model| Self::new(model.name().to_owned(), build_model(model));
         Model::ALL.into_iter().filter_map(of).collect()
     }
@@ -47,7 +46,7 @@ impl Subject {
 #[derive(Debug)]
 pub struct Runner {
     /// The models of cases over models, smallest first and each once.
-    subjects: Vec<Subject>,
+    subjects: OnceLock<Vec<Subject>>,
     /// Drops of each model in the case `drop`; `None` leaves the number to the case.
     pub samples: Option<u32>,
     /// Text in the description of drops; others are left out.
@@ -62,11 +61,9 @@ pub struct Runner {
 impl Runner {
     /// Runs cases on the CPU.
     #[must_use]
-    pub fn cpu(mut subjects: Vec<Subject>) -> Self {
-        subjects.sort_by_key(Subject::triangles);
-        subjects.dedup_by(|next, first| next.surface.positions() == first.surface.positions());
+    pub fn cpu() -> Self {
         Self {
-            subjects,
+            subjects: OnceLock::new(),
             samples: None,
             matching: None,
             backend: BackendRequest::default(),
@@ -81,7 +78,7 @@ impl Runner {
     /// # Errors
     /// When there is no such GPU.
     #[cfg(feature = "gpu")]
-    pub fn gpu(subjects: Vec<Subject>, adapter: Option<&str>) -> Result<(Self, String), GpuError> {
+    pub fn gpu(adapter: Option<&str>) -> Result<(Self, String), GpuError> {
         let request = AdapterRequest::any(adapter.map(str::to_owned));
         let gpu = GpuBackend::new(&request)?;
         let described = format!("{} ({})", gpu.adapter().name, gpu.adapter().driver);
@@ -94,20 +91,30 @@ impl Runner {
         let runner = Self {
             backend,
             gpu: Some(Mutex::new(gpu)),
-            ..Self::cpu(subjects)
+            ..Self::cpu()
         };
         Ok((runner, described))
     }
 
+    /// Replaces the built-in models.
+    #[must_use]
+    pub fn with_subjects(self, mut subjects: Vec<Subject>) -> Self {
+        subjects.sort_by_key(Subject::triangles);
+        subjects.dedup_by(|next, first| next.surface.positions() == first.surface.positions());
+        let subjects = subjects.into();
+        Self { subjects, ..self }
+    }
+
     /// Returns the models up to a number of triangles that are closed.
     pub(super) fn closed_subjects(&self, triangles: usize) -> impl Iterator<Item = &Subject> {
-        (self.subjects.iter()).filter(move |subject| {
+        (self.subjects().iter()).filter(move |subject| {
             subject.triangles() <= triangles && subject.surface.topology().is_closed()
         })
     }
 
     pub(super) fn subjects(&self) -> &[Subject] {
-        &self.subjects
+        // In the order of their triangles already.
+        self.subjects.get_or_init(Subject::built_in)
     }
 
     /// Runs every item: side by side on the CPU, one after the other on a GPU.

@@ -2,7 +2,7 @@
 //!
 //! Those that take more than a second are long tests.
 
-use incise_tests::stability::{Case, Runner, Subject, Verdict, cases};
+use incise_tests::stability::{Case, Runner, Verdict, cases};
 
 /// Verdicts that fail today: case, stress and invariant, the last two by their beginnings.
 ///
@@ -50,7 +50,7 @@ fn is_open(verdict: &Verdict) -> bool {
 
 /// Runs all cases of a name and compares their verdicts with the list of open ones.
 fn check(id: &str) {
-    let runner = Runner::cpu(Subject::built_in());
+    let runner = Runner::cpu();
     let named: Vec<&Case> = cases().filter(|case| case.id == id).collect();
     assert!(!named.is_empty(), "{id} names no case");
     for verdict in named.iter().flat_map(|case| case.verdicts(&runner)) {
