@@ -33,9 +33,8 @@ use std::io::{self, Write};
 ///
 /// Weightless bodies spin and are squeezed. A GPU gets a batch of frames and is waited for at its
 /// end; `ms_per_frame` is the median over batches, `ms_latency` the time of a frame that is waited
-/// for.
-/// Projections are those of stretch and bending constraints. Speeds are relative to the schedule
-/// `colors` on the same GPU and to the CPU. `chosen` marks the schedule that the backend chooses.
+/// for. Projections are those of stretch and bending constraints. `chosen` marks the schedule that
+/// the backend chooses.
 #[derive(Args, Clone)]
 pub(crate) struct StepArguments {
     #[command(flatten)]
