@@ -140,8 +140,10 @@ impl Device {
             ScheduleChoice::WholeBody => Schedule::WholeBody,
             ScheduleChoice::Patches => Schedule::Patches,
         };
-        let patches = (forced == Schedule::Patches).then(PatchParams::default);
-        bodies = case.divided_bodies(patches.as_ref())?;
+        if choice != ScheduleChoice::Auto {
+            let patches = (forced == Schedule::Patches).then(PatchParams::default);
+            bodies = case.divided_bodies(patches.as_ref())?;
+        }
         gpu.force_schedule(Some(forced));
         for (surface, solver) in &mut bodies {
             let place = gpu.add(surface, solver)?;

@@ -76,13 +76,10 @@ pub(super) struct Resident {
 ///
 /// ```no_run
 /// use incise_models::{Model, build_model};
-/// use incise_pbd_gpu::{
-///     AdapterRequest, GpuBackend, Material, PatchParams, Solver, SolverParams,
-/// };
+/// use incise_pbd_gpu::{AdapterRequest, GpuBackend, Material, Solver, SolverParams};
 ///
 /// let mut surface = build_model(Model::Armadillo);
-/// let patches = PatchParams::for_body(surface.topology().vertex_count());
-/// let mut solver = Solver::with_patches(&mut surface, &Material::default(), patches.as_ref())?;
+/// let mut solver = Solver::new(&mut surface, &Material::default())?;
 /// let mut gpu = GpuBackend::new(&AdapterRequest::default())?;
 /// let body = gpu.add(&surface, &mut solver)?;
 /// for _ in 0..60 {

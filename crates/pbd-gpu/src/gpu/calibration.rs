@@ -3,7 +3,6 @@
 use super::backend::GpuBackend;
 use super::error::GpuError;
 use crate::material::Material;
-use crate::patches::PatchParams;
 use crate::solver::Solver;
 use crate::step::params::SolverParams;
 use incise_mesh::{Surface, icosphere};
@@ -28,9 +27,9 @@ struct Measured {
 impl GpuBackend {
     /// Returns the number of constraints from which the GPU is faster than the CPU.
     ///
-    /// Steps spheres of increasing size, divided like bodies of scenes, on both with frames of `dt`
-    /// \[s\], for a fraction of a second. Returns `None` if the CPU always wins. Results vary from
-    /// call to call. Resident bodies are not affected.
+    /// Steps spheres of increasing size on both with frames of `dt` \[s\], for a fraction of a
+    /// second. Returns `None` if the CPU always wins. Results vary from call to call. Resident
+    /// bodies are not affected.
     ///
     /// # Errors
     /// As [`GpuBackend::step`].
@@ -39,10 +38,7 @@ impl GpuBackend {
         let mut measured = Vec::new();
         for subdivisions in SUBDIVISIONS {
             let mut surface = icosphere(subdivisions, 1.0);
-            let patches = PatchParams::for_body(surface.topology().vertex_count());
-            let material = Material::default();
-            let solver = Solver::with_patches(&mut surface, &material, patches.as_ref());
-            let Ok(mut solver) = solver else {
+            let Ok(mut solver) = Solver::new(&mut surface, &Material::default()) else {
                 break;
             };
             let constraints = solver.stretch().len() + solver.bending().map_or(0, |set| set.len());

@@ -10,9 +10,8 @@ pub enum Schedule {
     /// One dispatch per pass over all such bodies, for bodies that do not fit in a workgroup.
     ///
     /// A layer of patches has one dispatch, with the vertices of a patch in workgroup memory.
-    /// Constraints between patches have one dispatch per color, and so have all constraints of an
-    /// undivided body: divide large bodies with
-    /// [`Solver::with_patches`](crate::Solver::with_patches).
+    /// Constraints between patches have one dispatch per color, and so have all constraints of a
+    /// body that [`Solver::with_patches`](crate::Solver::with_patches) left undivided.
     Patches,
 }
 

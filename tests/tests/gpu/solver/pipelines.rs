@@ -25,6 +25,11 @@ fn fresh() -> GpuBackend {
     GpuBackend::new(&Needs::AnyDevice.request()).expect("a device")
 }
 
+/// Returns a solver all of whose constraints are between patches.
+fn undivided(surface: &mut Surface, material: &Material) -> Solver {
+    Solver::with_patches(surface, material, None).expect("a valid body")
+}
+
 fn kernels(gpu: &GpuBackend) -> BTreeSet<&'static str> {
     gpu.kernels().collect()
 }
@@ -42,7 +47,7 @@ fn absent(mut gpu: GpuBackend) {
     gpu.force_schedule(Some(Schedule::Patches));
     let (material, params) = bare();
     let mut surface = sphere(4, [0.0; 3]);
-    let mut solver = Solver::new(&mut surface, &material).expect("a valid body");
+    let mut solver = undivided(&mut surface, &material);
     let body = gpu.add(&surface, &mut solver).expect("room");
     assert_eq!(kernels(&gpu), BTreeSet::new(), "nothing was stepped");
     let stats = *gpu
@@ -65,7 +70,7 @@ fn comes(mut gpu: GpuBackend) {
     gpu.force_schedule(Some(Schedule::Patches));
     let (material, params) = bare();
     let mut surface = sphere(4, [0.0; 3]);
-    let mut solver = Solver::new(&mut surface, &material).expect("a valid body");
+    let mut solver = undivided(&mut surface, &material);
     let body = gpu.add(&surface, &mut solver).expect("room");
     let step = |gpu: &mut GpuBackend, solver: &mut Solver, params: &SolverParams| {
         let before = kernels(gpu);
@@ -94,7 +99,7 @@ fn comes(mut gpu: GpuBackend) {
     gpu.bounds(body).expect("a box");
     assert_eq!(step(&mut gpu, &mut solver, &grounded), (Vec::new(), 0));
     let mut other = sphere(5, [3.0, 0.0, 0.0]);
-    let mut bending = Solver::new(&mut other, &Material::default()).expect("a valid body");
+    let mut bending = undivided(&mut other, &Material::default());
     let another = gpu.add(&other, &mut bending).expect("room");
     let before = kernels(&gpu);
     let both = [(body, &mut solver), (another, &mut bending)];
