@@ -24,8 +24,8 @@ struct Projection {
 // - chunk: (first spoke, spokes), (piece, 0), then four sums, then four sums of the motion
 // - spoke: (vertex, half-edge)
 // - corner: (origin, twin)
-// - contact: 11 entries as in contacts.rs
-// - collider: 8 entries as in colliders.rs
+// - contact: CONTACT_ENTRIES entries as in contacts.rs
+// - collider: COLLIDER_ENTRIES entries as in colliders.rs
 @group(0) @binding(3) var<storage, read_write> constraints: array<vec2u>;
 @group(0) @binding(4) var<storage, read> bodies: array<Body>;
 @group(0) @binding(5) var<storage, read> runs: array<Run>;
