@@ -2,8 +2,8 @@
 //!
 //! - [`process`], [`random`]: tests in a process of their own, seeded numbers.
 //! - With the feature `solver`: small bodies and changes of them (`surfaces`, `edits`),
-//!   `materials`, `params`, limits of every motion (`energy`), and solver results with a closed form
-//!   (`closed_forms`, `single_steps`).
+//!   `materials`, `params`, limits of every motion (`energy`), and solver results with a closed
+//!   form (`closed_forms`, `single_steps`).
 //! - With the feature `gpu`: tests that need a GPU (`gpu`, `external_device`, `cpu_gpu_pair`).
 
 #[cfg(feature = "solver")]

@@ -10,7 +10,14 @@ const LIBRARIES: [&str; 9] = [
 /// Bindings for other languages, whose READMEs begin with code in these.
 const BINDINGS: [&str; 3] = ["ffi", "python", "web"];
 /// Programs, and crates that only this workspace uses.
-const OTHERS: [&str; 5] = ["app", "bench", "progress", "sparse", "test-support"];
+const OTHERS: [&str; 6] = [
+    "app",
+    "bench",
+    "progress",
+    "reference",
+    "sparse",
+    "test-support",
+];
 
 fn crates() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates")
