@@ -48,8 +48,9 @@ impl Group {
         Ok(())
     }
 
-    /// Steps until all bodies sleep, at most by some frames, and reads them back; returns the number
-    /// of frames.
+    /// Steps until all bodies sleep, at most by some frames, and reads them back.
+    ///
+    /// Returns the number of frames.
     pub(super) fn settle(&mut self, most: u32) -> Found<u32> {
         let mut frames = 0;
         while !self.is_asleep()? && frames < most {

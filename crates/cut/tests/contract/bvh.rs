@@ -1,6 +1,7 @@
 //! The BVH of a `Cutter` through cuts, undo and motion, compared with a fresh one and brute force.
 
 use incise_cut::{CutMethod, CutParams, Cutter, PaperParams, Sweep};
+use incise_mesh::geometry::round_to_f32;
 use incise_mesh::{Bvh, Surface, TriangleId, VertexId, cube_sphere, torus};
 use incise_refine::{RefineParams, RefinementLevel};
 use incise_test_support::random::Random;
@@ -9,7 +10,7 @@ use std::cell::Cell;
 
 /// Returns a number from -1 to 1.
 fn signed(random: &mut Random) -> f32 {
-    random.signed() as f32
+    round_to_f32(random.signed())
 }
 
 /// Returns the sweep of a random plane near the center of a surface.
@@ -244,7 +245,8 @@ proptest! {
                     let mut moved = Vec::new();
                     for _ in 0..random.below(9) {
                         let v = vertices[random.below(vertices.len())];
-                        surface.positions_mut()[v.index()][random.below(3)] += 0.1 * signed(&mut random);
+                        let axis = random.below(3);
+                        surface.positions_mut()[v.index()][axis] += 0.1 * signed(&mut random);
                         moved.extend(around(&surface, v));
                     }
                     cutter.refit_moved(&surface, &moved);

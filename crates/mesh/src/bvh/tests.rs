@@ -3,6 +3,7 @@
 //! Updates after cuts are tested in `incise-cut`.
 
 use super::{Bvh, MAX_HEIGHT};
+use crate::geometry::round_to_f32;
 use crate::ids::index_u32;
 use crate::{Aabb, Surface, TopologyDelta, TriangleId, Vec3};
 use incise_test_support::random::Random;
@@ -10,7 +11,7 @@ use std::cell::Cell;
 
 /// Returns a number from -1 to 1.
 fn signed(random: &mut Random) -> f32 {
-    random.signed() as f32
+    round_to_f32(random.signed())
 }
 
 /// Returns a triangle in a random plane through the surface, larger than the surface.

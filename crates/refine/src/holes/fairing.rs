@@ -158,7 +158,8 @@ impl Neighborhood {
 
     /// Returns the Laplacians of those of the first `count` vertices that are not on a boundary.
     ///
-    /// A Laplacian is a list of vertices and coefficients. Each is divided by the square root of its vertex's area.
+    /// A Laplacian is a list of vertices and coefficients, each divided by the square root of its
+    /// vertex's area.
     fn rows(&self, count: usize) -> Vec<Row> {
         let mut areas = vec![0.0; self.points.len()];
         let mut sides: Vec<([u32; 2], f64)> = Vec::with_capacity(3 * self.triangles.len());

@@ -1,6 +1,6 @@
 //! Many cuts and undos of a body with volume constraints, interior springs and self-collision.
 
-use incise_mesh::geometry::area_vector;
+use incise_mesh::geometry::{area_vector, round_to_f32};
 use incise_mesh::{Aabb, Surface, cube_sphere};
 use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Stiffness, Volume};
 use incise_scene::{BladeId, Body, BodyId, ContactParams, Scene, SceneParams};
@@ -36,7 +36,7 @@ fn scene() -> (Scene, BodyId, BladeId) {
 fn sweep(bounds: &Aabb, random: &mut Random) -> [[[f32; 3]; 2]; 2] {
     let middle = [0, 1, 2].map(|k| (bounds.min[k] + bounds.max[k]) / 2.0);
     let half = [0, 1, 2].map(|k| (bounds.max[k] - bounds.min[k]) / 2.0);
-    let [turn, aside] = [3.2, 0.7].map(|size| (size * random.signed()) as f32);
+    let [turn, aside] = [3.2, 0.7].map(|size| round_to_f32(size * random.signed()));
     let (sin, cos) = turn.sin_cos();
     // The edge is horizontal, at any angle and with an offset from the middle.
     let width = half[0].max(half[2]);

@@ -38,7 +38,7 @@ fn run_scenes_on_the_cpu() -> Result<(), SceneError> {
             .unwrap();
         scene.step()?;
         scene.read_back(id)?;
-        assert_eq!(scene.backend_report().adapter, None);
+        assert_eq!(scene.backend_report().adapter, None, "no GPU is open");
     }
     Ok(())
 }
