@@ -64,18 +64,17 @@ function start(mesh) {
   if (mesh !== state.mesh) state.mesh?.free();
   state.scene?.free();
   const center = [(x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2];
-  scene.floor = y0 - DROP * diagonal;
-  scene.setGravity(0, GRAVITY * diagonal, 0);
+  const ground = y0 - DROP * diagonal;
+  scene.set({ ground, gravity: [0, GRAVITY * diagonal, 0] });
   Object.assign(state, { mesh, scene, body, diagonal, center, strokes: [], drag: null });
   state.blade = scene.addBlade(new Float32Array(6));
   applySettings();
-  view.show(scene, body, { center, diagonal, floor: scene.floor });
+  view.show(scene, body, { center, diagonal, floor: ground });
   element("cut").textContent = "";
 }
 
 function applySettings() {
-  state.scene.level = element("level").value;
-  state.scene.method = element("method").value;
+  state.scene.set({ level: element("level").value, method: element("method").value });
 }
 
 /** Cuts right through along a line on the screen, given the blade at both of its ends. */
@@ -97,7 +96,7 @@ function beginCut(edge) {
   scene.setFullSlices(blade, false);
   scene.teleportBlade(blade, edge);
   // The walls of a cut that ends inside touch each other.
-  scene.setContacts(true, true);
+  scene.set({ contacts: { self_collision: true } });
 }
 
 function finishStroke(nothing) {

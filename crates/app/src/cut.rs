@@ -298,7 +298,7 @@ impl CutArguments {
             warnings,
             triangles,
             boundary_edges,
-            caps: options.caps().name(),
+            caps: params.caps.name(),
             volume,
             triangles_hit: counts.hits,
             missed_planes: missed,
@@ -345,7 +345,7 @@ impl CutArguments {
         };
         if !options.is_exact() {
             return Err(Failure::NotWith {
-                option: "--path",
+                option: "--path".to_owned(),
                 with: "--method paper, which has no cuts that end inside the body",
             });
         }

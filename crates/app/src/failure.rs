@@ -8,6 +8,7 @@ use crate::simulate::SceneFileError;
 use incise_cut::CutError;
 use incise_mesh::{Aabb, NotCuttable, ReadError, WriteError};
 use incise_models::Model;
+use incise_params::ParamError;
 use incise_refine::HoleError;
 use incise_scene::SceneError;
 use std::path::PathBuf;
@@ -79,11 +80,14 @@ pub(crate) enum Failure {
     /// The plane or blade of the command line defines no sweep.
     #[error("invalid cut: {0}")]
     Sweep(CutError),
+    /// A parameter of the command line has no meaning, or is out of range.
+    #[error("invalid option: {0}")]
+    Parameter(#[from] ParamError),
     /// Two options of the command line exclude each other.
     #[error("{option} cannot be combined with {with}; omit one of the two")]
     NotWith {
         /// One option.
-        option: &'static str,
+        option: String,
         /// The other, and the reason.
         with: &'static str,
     },
@@ -395,6 +399,7 @@ impl Failure {
         }
         match self {
             Self::Sweep(_)
+            | Self::Parameter(_)
             | Self::NotWith { .. }
             | Self::SweepCrossesItself
             | Self::NoSeconds

@@ -6,11 +6,13 @@ use crate::format::Format;
 use crate::input::{FLAT_VOLUME, InputOptions, components_without_volume};
 use crate::json::lossy;
 use crate::numbers::counted;
+use crate::param_options::{OptionSet, ParamOptions};
 use crate::pieces::{check_target, output_path};
 use crate::reporter::Reporter;
+use clap::Arg;
 use incise_mesh::geometry::to_file;
 use incise_mesh::{Surface, Warning};
-use incise_refine::{HoleParams, HoleReport, RefinementLevel, fill_holes};
+use incise_refine::{HoleParams, HoleReport, fill_holes};
 use serde::Serialize;
 use std::fmt;
 use std::io::{self, Write};
@@ -28,24 +30,20 @@ pub(crate) struct FillArguments {
     /// The file for the closed mesh: obj or ply.
     #[arg(short, long, value_name = "FILE", value_parser = output_path())]
     output: PathBuf,
-    /// Ratio of the patches' edge length to that around each hole: 2x-coarser, 1.5x-coarser,
-    /// original, 1.5x-finer, 2x-finer, or a number.
-    #[arg(
-        long,
-        value_name = "Z",
-        default_value = "original",
-        allow_hyphen_values = true
-    )]
-    level: RefinementLevel,
-    /// Fair the patches: they continue the surrounding surface smoothly. Planar holes stay planar.
-    #[arg(long)]
-    fair: bool,
-    /// Maximum number of rim edges of a hole. Larger holes are left open.
-    #[arg(long, value_name = "N")]
-    max_edges: Option<usize>,
-    /// Maximum number of triangles of all patches. A fill that needs more is refused.
-    #[arg(long, value_name = "N", default_value_t = HoleParams::default().max_triangles)]
-    max_triangles: usize,
+    #[command(flatten)]
+    params: ParamOptions<FillOptionSet>,
+}
+
+/// All parameters of filling.
+#[derive(Debug)]
+struct FillOptionSet;
+
+impl OptionSet for FillOptionSet {
+    type Params = HoleParams;
+
+    fn option(_: &str, option: Arg) -> Option<Arg> {
+        Some(option)
+    }
 }
 
 const AFTER_HELP: &str = "\
@@ -154,6 +152,7 @@ pub(crate) fn run(
 ) -> Result<(), Failure> {
     let (input, output) = (&arguments.input, &arguments.output);
     let format = Format::of_file(output)?;
+    let params = arguments.params.params()?;
     let progress = reporter.stages(3);
     progress.begin("read");
     let (read, surface) = timed(|| arguments.reading.read_open(input));
@@ -162,13 +161,6 @@ pub(crate) fn run(
     progress.step();
     progress.begin("fill");
     let triangles_before = surface.topology().triangle_count();
-    let params = HoleParams {
-        level: arguments.level,
-        fair: arguments.fair,
-        max_rim_edges: arguments.max_edges.unwrap_or(usize::MAX),
-        max_triangles: arguments.max_triangles,
-        ..HoleParams::default()
-    };
     let (fill, filled) = timed(|| fill_holes(&mut surface, &params));
     let filled = filled.map_err(|source| Failure::Fill {
         path: input.clone(),
@@ -194,8 +186,8 @@ pub(crate) fn run(
     let report = Report {
         input: input.clone(),
         output: output.clone(),
-        level: arguments.level.z(),
-        fair: arguments.fair,
+        level: params.level.z(),
+        fair: params.fair,
         triangles_before,
         warnings,
         holes,

@@ -3,11 +3,9 @@
 //! [`program`] is its command line. Exit codes: 0 done, 1 unusable input or no GPU, 2 wrong command
 //! line, 3 unwritable output, 4 the cut misses the mesh.
 //!
-//! The program `incise-view` shares its options: [`InputOptions`], [`Backend`], [`CapsOption`],
-//! [`Size`].
+//! The program `incise-view` shares its options: [`InputOptions`], [`Backend`], [`Size`].
 
 mod blade_path;
-mod caps;
 mod check;
 mod clock;
 mod cut;
@@ -23,6 +21,7 @@ mod gallery;
 mod input;
 mod json;
 mod numbers;
+mod param_options;
 #[cfg(feature = "gpu")]
 mod picture;
 mod pieces;
@@ -43,7 +42,6 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-pub use caps::CapsOption;
 pub use input::InputOptions;
 #[cfg(feature = "gpu")]
 pub use picture::{Size, size};

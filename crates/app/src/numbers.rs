@@ -3,7 +3,7 @@
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::fmt;
-use std::num::{NonZeroU16, NonZeroU32};
+use std::num::NonZeroU16;
 use std::str::FromStr;
 
 /// N numbers, separated by commas on the command line.
@@ -108,11 +108,6 @@ pub(crate) fn share(text: &str) -> Result<f32, String> {
     let value = text.trim().parse().ok();
     let value = value.filter(|value| (0.0..=1.0).contains(value));
     value.ok_or_else(|| format!("'{text}' is not a number from 0 to 1"))
-}
-
-/// Parses a whole number of at least 1.
-pub(crate) fn count(text: &str) -> Result<NonZeroU32, String> {
-    positive_whole(text, u32::MAX)
 }
 
 /// Parses a whole number of at least 1, of 16 bits.

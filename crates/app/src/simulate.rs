@@ -17,24 +17,21 @@ pub(crate) use scene_file::SceneFileError;
 
 use crate::clock::{milliseconds, timed};
 use crate::failure::Failure;
-use crate::numbers::Numbers;
 use crate::pieces::{self, Written};
 use crate::reporter::Reporter;
 use bodies::{Bodies, Input};
 use clap::ValueEnum;
-use incise_cut::CutParams;
 use incise_mesh::Surface;
-use incise_mesh::geometry::round_to_f32;
 #[cfg(feature = "gpu")]
 use incise_pbd_gpu::Collider;
-use incise_pbd_gpu::{Material, SolverParams};
-use incise_scene::{BackendChoice, BackendRequest, ContactParams, Scene, SceneParams};
+use incise_pbd_gpu::Material;
+use incise_scene::{BackendChoice, BackendRequest, Scene, SceneParams};
 use knife::Knife;
 use options::SceneOptions;
 use output::SimulateOutput;
 use recording::Recording;
 use report::{PieceOfBody, Report, Times, print};
-use scene_file::{Height, SceneFile};
+use scene_file::SceneFile;
 use serde::Deserialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -127,11 +124,12 @@ pub(crate) fn run(
         if let Some(export) = &file.output.export {
             pieces::check_target(export, &input.file)?;
         }
-        let ground = ground(&file, surface.origin());
+        let ground = file.scene_params(surface.origin())?.solver.ground;
         bodies::check_ground(surface, &input.file, ground)?;
     }
     let origin = surfaces.first().map_or([0.0; 3], Surface::origin);
-    let mut scene = new_scene(&file, origin, &inputs)?;
+    let params = file.scene_params(origin)?;
+    let mut scene = new_scene(&file, params, origin, &inputs)?;
     let mut recording = Recording::new(&file);
     let (simulate, bodies) = timed(|| {
         let bodies = Bodies::add(&mut scene, &inputs, surfaces, &materials)?;
@@ -152,7 +150,7 @@ pub(crate) fn run(
     let written = written?;
     #[cfg(feature = "gpu")]
     let pictures = {
-        let ground = ground(&file, origin).map(|height| Collider::Plane {
+        let ground = params.solver.ground.map(|height| Collider::Plane {
             point: [0.0, height, 0.0],
             normal: [0.0, 1.0, 0.0],
         });
@@ -174,8 +172,8 @@ pub(crate) fn run(
         fallback_reason: backend.fallback_reason.map(|reason| reason.to_string()),
         frames: file.frames(),
         dt: file.dt,
-        iterations: file.iterations.get(),
-        substeps: file.substeps.get(),
+        iterations: params.solver.iterations,
+        substeps: params.solver.substeps,
         triangles_hit: (!knife.is_empty()).then_some(knife.triangles_hit),
         refused_cuts: knife.refusals.clone(),
         missed_cuts: knife.misses().collect(),
@@ -242,35 +240,13 @@ impl SimulateArguments {
     }
 }
 
-/// Returns the height of the ground relative to an origin \[m\].
-fn ground(file: &SceneFile, origin: [f64; 3]) -> Option<f32> {
-    (file.ground).map(|Height(height)| round_to_f32(height - origin[1]))
-}
-
 /// Creates the scene, without bodies and blades, relative to an origin.
-fn new_scene(file: &SceneFile, origin: [f64; 3], inputs: &[Input]) -> Result<Scene, Failure> {
-    let Numbers(gravity) = file.gravity;
-    let contacts = &file.contacts;
-    let params = SceneParams {
-        dt: round_to_f32(file.dt),
-        solver: SolverParams {
-            iterations: file.iterations.get(),
-            substeps: file.substeps.get(),
-            ground: ground(file, origin),
-            gravity: gravity.map(round_to_f32),
-            ..SolverParams::default()
-        },
-        cut: CutParams {
-            caps: file.caps.caps(),
-            ..CutParams::default()
-        },
-        contacts: contacts.enabled.then(|| ContactParams {
-            thickness: contacts.thickness,
-            // Both walls of a cut that ends inside belong to one piece.
-            self_collision: contacts.self_collision.unwrap_or(!file.blades.is_empty()),
-        }),
-        ..SceneParams::default()
-    };
+fn new_scene(
+    file: &SceneFile,
+    params: SceneParams,
+    origin: [f64; 3],
+    inputs: &[Input],
+) -> Result<Scene, Failure> {
     let request = BackendRequest {
         choice: file.backend.choice(),
         adapter: file.adapter.clone(),

@@ -1,6 +1,7 @@
 //! [`CutError`]: reasons for which a cut is refused.
 
 use incise_mesh::{TriangleId, VertexId};
+use incise_params::OutOfRange;
 use incise_refine::RefineError;
 
 /// A refused cut. The surface is then bit for bit what it was.
@@ -24,16 +25,9 @@ pub enum CutError {
         /// Number of points in the current frame.
         current: usize,
     },
-    /// A parameter of the cut is negative, too large or not a number.
-    #[error("{parameter} is {value}; it must be at least 0 and below {limit}")]
-    ParameterOutOfRange {
-        /// The field of [`crate::CutParams`], [`crate::ExactParams`] or [`crate::PaperParams`].
-        parameter: &'static str,
-        /// Its value.
-        value: f64,
-        /// The upper bound, which is excluded.
-        limit: f64,
-    },
+    /// A parameter of the cut is out of range.
+    #[error(transparent)]
+    Parameter(#[from] OutOfRange),
     /// A coordinate of the sweep is NaN or infinite.
     #[error("corner {corner} of the sweep is not finite; pass finite positions of the blade")]
     SweepNotFinite {

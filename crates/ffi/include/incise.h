@@ -1037,6 +1037,75 @@ incise_status incise_mesh_fill(incise_mesh *mesh,
                                incise_fill_report *out);
 
 /*
+ Sets a parameter of a scene by name, from the next frame on: `"solver.substeps"`, or a short
+ name such as `"substeps"`. `docs/parameters.md` lists them.
+
+ `value` is a number, `true`, `false`, a name, numbers between commas, or `none` to switch an
+ optional parameter off. Numbers have a point in every locale. An unknown name or a value out of
+ range is an error, and nothing changes.
+ */
+incise_status incise_scene_set(incise_scene *scene, const char *name, const char *value);
+
+/*
+ Sets a parameter of a scene that is a number, see `incise_scene_set`; 1 and 0 are true and
+ false.
+ */
+incise_status incise_scene_set_number(incise_scene *scene, const char *name, double value);
+
+/*
+ Copies a parameter of a scene as a text that `incise_scene_set` accepts; see
+ `incise_mesh_warnings` for the other arguments.
+ */
+incise_status incise_scene_get(incise_scene *scene,
+                               const char *name,
+                               char *out,
+                               size_t capacity,
+                               size_t *length);
+
+/*
+ Writes a parameter of a scene that is a number, 1 or 0 for true and false.
+ */
+incise_status incise_scene_get_number(incise_scene *scene, const char *name, double *out);
+
+/*
+ Sets a parameter of a body's material by name, from the next frame on: `"friction"`,
+ `"bending.compliance"` or `"volume.pressure"`; see `incise_scene_set`.
+
+ Refused as by `incise_body_set_material`.
+ */
+incise_status incise_body_set(incise_scene *scene,
+                              uint32_t body,
+                              const char *name,
+                              const char *value);
+
+/*
+ Sets a parameter of a body's material that is a number, see `incise_body_set`.
+ */
+incise_status incise_body_set_number(incise_scene *scene,
+                                     uint32_t body,
+                                     const char *name,
+                                     double value);
+
+/*
+ Copies a parameter of a body's material as a text that `incise_body_set` accepts; see
+ `incise_mesh_warnings` for the other arguments.
+ */
+incise_status incise_body_get(incise_scene *scene,
+                              uint32_t body,
+                              const char *name,
+                              char *out,
+                              size_t capacity,
+                              size_t *length);
+
+/*
+ Writes a parameter of a body's material that is a number, 1 or 0 for true and false.
+ */
+incise_status incise_body_get_number(incise_scene *scene,
+                                     uint32_t body,
+                                     const char *name,
+                                     double *out);
+
+/*
  Writes the default parameters of scenes.
  */
 incise_status incise_scene_params_init(incise_scene_params *out);

@@ -5,4 +5,5 @@ pub mod check;
 pub mod cut;
 pub mod cut_result;
 pub mod mesh;
+pub mod parameters;
 pub mod scene;

@@ -5,8 +5,11 @@ use crate::memory::{check_finite, count};
 use crate::params::SceneParams;
 use crate::status::{Error, Status};
 use incise::mesh::{Surface, VertexId};
+use incise::params::{Params, Value};
 use incise::pbd::Material;
-use incise::scene::{self, BackendRequest, BladeId, BladeMode, Body, BodyId, UndoStack};
+use incise::scene::{
+    self, BackendRequest, BladeId, BladeMode, Body, BodyId, SceneError, UndoStack,
+};
 
 /// Bodies and blades, stepped frame by frame.
 #[derive(Debug)]
@@ -34,7 +37,10 @@ impl SceneObject {
             ..BackendRequest::default()
         };
         Ok(Self {
-            scene: scene::Scene::with_backend(params.check()?, &request)?,
+            scene: scene::Scene::with_backend(
+                params.check(scene::SceneParams::default())?,
+                &request,
+            )?,
             blade_mode: params.blade_mode()?,
             undo: UndoStack::new(params.undo_limit as usize),
         })
@@ -51,7 +57,7 @@ impl SceneObject {
 
     /// Sets the parameters from the next frame on.
     pub(crate) fn set_params(&mut self, params: &SceneParams) -> Result<(), Error> {
-        let (checked, mode) = (params.check()?, params.blade_mode()?);
+        let (checked, mode) = (params.check(self.scene.params)?, params.blade_mode()?);
         if mode != self.blade_mode {
             for blade in self.scene.blades() {
                 self.scene.set_blade_mode(blade, mode)?;
@@ -61,6 +67,37 @@ impl SceneObject {
         self.blade_mode = mode;
         self.undo.set_limit(params.undo_limit as usize);
         Ok(())
+    }
+
+    /// Sets a parameter by name from the next frame on.
+    pub(crate) fn set(&mut self, name: &str, value: &Value) -> Result<(), Error> {
+        let mut params = self.scene.params;
+        params.set(name, value)?;
+        params.check_given([name])?;
+        params.check()?;
+        self.scene.params = params;
+        Ok(())
+    }
+
+    /// Returns a parameter by name.
+    pub(crate) fn get(&self, name: &str) -> Result<Value, Error> {
+        Ok(self.scene.params.get(name)?)
+    }
+
+    /// Sets a parameter of a body's material by name from the next frame on.
+    pub(crate) fn set_body(&mut self, body: u32, name: &str, value: &Value) -> Result<(), Error> {
+        let id = self.body_id(body)?;
+        let mut material = *self.scene.body(id)?.solver().material();
+        material.set(name, value)?;
+        let (solver, surface) = self.scene.edit(id)?.solver_mut();
+        let set = solver.set_material(surface, &material);
+        Ok(set.map_err(SceneError::from)?)
+    }
+
+    /// Returns a parameter of a body's material by name.
+    pub(crate) fn get_body(&self, body: u32, name: &str) -> Result<Value, Error> {
+        let id = self.body_id(body)?;
+        Ok(self.scene.body(id)?.solver().material().get(name)?)
     }
 
     /// Adds a body and returns its index.

@@ -2,6 +2,7 @@
 
 use incise::cut::CutError;
 use incise::mesh::{NotCuttable, ParseError, ReadError, TopologyError, WriteError};
+use incise::params::ParamError;
 use incise::prelude::SceneError;
 use incise::refine::HoleError;
 use incise::scene::{LoadError, SaveError};
@@ -88,8 +89,7 @@ impl From<SceneError> for Error {
             | SceneError::RayNotFinite { .. }
             | SceneError::Frame(_)
             | SceneError::Cut(_)
-            | SceneError::InvalidSleepParams { .. }
-            | SceneError::InvalidContactThickness { .. } => Status::InvalidArgument,
+            | SceneError::Parameter(_) => Status::InvalidArgument,
             _ => Status::Simulation,
         };
         Self::new(status, error)
@@ -115,6 +115,7 @@ status_of! {
     LoadError => File,
     SaveError => Simulation,
     CutError => Refused,
+    ParamError => InvalidArgument,
     HoleError => Refused,
 }
 

@@ -1,10 +1,19 @@
 //! The exported functions called from Rust, and rules of the crate that no compiler checks.
 
-use incise_c::exports::{cut, cut_result, mesh};
+use incise_c::exports::{bodies, cut, cut_result, mesh, parameters, scene};
 use incise_c::{Status, incise_live_handles};
+use std::ffi::CStr;
 use std::mem::MaybeUninit;
 use std::path::Path;
 use std::ptr::{null, null_mut};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Held by tests that make objects, since one of them counts all that are alive.
+static OBJECTS: Mutex<()> = Mutex::new(());
+
+fn objects() -> MutexGuard<'static, ()> {
+    OBJECTS.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// Calls a function that writes a value, and returns the value.
 fn get<T>(call: impl FnOnce(Option<&mut MaybeUninit<T>>) -> Status) -> Result<T, Status> {
@@ -18,6 +27,7 @@ fn get<T>(call: impl FnOnce(Option<&mut MaybeUninit<T>>) -> Status) -> Result<T,
 
 #[test]
 fn a_cut_has_pieces_whose_volumes_sum_to_that_of_the_body() {
+    let _alone = objects();
     let name = c"Sphere768".as_ptr();
     // SAFETY: the pointers are those of live values, or NULL where that is allowed.
     unsafe {
@@ -63,6 +73,77 @@ fn a_cut_has_pieces_whose_volumes_sum_to_that_of_the_body() {
         assert_eq!(mesh::incise_mesh_free(body), Status::Ok);
     }
     assert_eq!(incise_live_handles(), 0, "all were freed");
+}
+
+#[test]
+fn parameters_are_set_and_read_by_name() {
+    let _alone = objects();
+    // SAFETY: the pointers are those of live values, or NULL where that is allowed.
+    unsafe {
+        let scene = get(|out| scene::incise_scene_new(None, out)).expect("a scene");
+        let number =
+            |name: &CStr| get(|out| parameters::incise_scene_get_number(scene, name.as_ptr(), out));
+        let set = |name: &CStr, value: &CStr| {
+            parameters::incise_scene_set(scene, name.as_ptr(), value.as_ptr())
+        };
+        let set_number =
+            |name: &CStr, value| parameters::incise_scene_set_number(scene, name.as_ptr(), value);
+        assert_eq!(number(c"solver.substeps"), Ok(16.0));
+        assert_eq!(set_number(c"substeps", 8.0), Status::Ok);
+        assert_eq!(set(c"solver.residual", c"1e-6"), Status::Ok);
+        assert_eq!(set(c"gravity", c"0,-1,0"), Status::Ok);
+        assert_eq!(set(c"scheme", c"auto"), Status::Ok);
+        assert_eq!(set_number(c"contacts.enabled", 1.0), Status::Ok);
+        for (name, value) in [
+            (c"substeps", c"0"),
+            (c"scheme", c"fast"),
+            (c"substep", c"1"),
+        ] {
+            assert_eq!(set(name, value), Status::InvalidArgument, "{name:?}");
+        }
+        // The struct does not have the residual, which stays.
+        let params = get(|out| scene::incise_scene_params_init(out)).expect("defaults");
+        assert_eq!(
+            scene::incise_scene_set_params(scene, Some(&params)),
+            Status::Ok
+        );
+        assert_eq!(number(c"substeps"), Ok(16.0));
+        assert_eq!(number(c"contacts.enabled"), Ok(0.0));
+        assert_eq!(number(c"solver.residual"), Ok(1e-6));
+        assert_eq!(number(c"scheme").err(), Some(Status::InvalidArgument));
+        let text = |name: &CStr| {
+            let (mut text, mut length) = ([0; 64], MaybeUninit::uninit());
+            let out = text.as_mut_ptr();
+            let status = parameters::incise_scene_get(
+                scene,
+                name.as_ptr(),
+                out,
+                text.len(),
+                Some(&mut length),
+            );
+            assert_eq!(status, Status::Ok);
+            CStr::from_ptr(text.as_ptr())
+                .to_str()
+                .expect("UTF-8")
+                .to_owned()
+        };
+        assert_eq!(text(c"scheme"), "auto");
+        assert_eq!(text(c"cut.method"), "exact");
+        let ball = get(|out| mesh::incise_mesh_model(c"Sphere80".as_ptr(), out)).expect("a model");
+        let body =
+            get(|out| bodies::incise_scene_add_body(scene, ball, None, out)).expect("a body");
+        let friction = c"friction".as_ptr();
+        let set = |value| parameters::incise_body_set_number(scene, body, friction, value);
+        assert_eq!(set(0.25), Status::Ok);
+        assert_eq!(set(-1.0), Status::Simulation);
+        let read = get(|out| parameters::incise_body_get_number(scene, body, friction, out));
+        assert_eq!(read, Ok(0.25));
+        let pressure = c"volume.pressure".as_ptr();
+        let set = parameters::incise_body_set(scene, body, pressure, c"1.5".as_ptr());
+        assert_eq!(set, Status::Ok);
+        assert_eq!(mesh::incise_mesh_free(ball), Status::Ok);
+        assert_eq!(scene::incise_scene_free(scene), Status::Ok);
+    }
 }
 
 /// Returns the source files of the crate with their paths from `src`.

@@ -2,6 +2,7 @@
 
 pub use incise_cut as cut;
 pub use incise_mesh as mesh;
+pub use incise_params as params;
 pub use incise_pbd_gpu as pbd;
 pub use incise_refine as refine;
 #[cfg(feature = "render")]

@@ -1,11 +1,15 @@
 //! Errors of materials, constraints and steps.
 
 use incise_mesh::{EdgeKey, TriangleId, VertexId};
+use incise_params::OutOfRange;
 
 /// An error of creating or changing a solver.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ConstraintError {
+    /// A number of a material is out of range.
+    #[error(transparent)]
+    Parameter(#[from] OutOfRange),
     /// A position or rest position is not finite.
     #[error(
         "{vertex} has a position or rest position that is not finite; repair the surface first"
@@ -22,24 +26,6 @@ pub enum ConstraintError {
         /// The other end.
         b: VertexId,
     },
-    /// A compliance is negative or not finite.
-    #[error("compliance {value} is negative or not finite")]
-    NegativeCompliance {
-        /// Requested value.
-        value: f32,
-    },
-    /// A stiffness is outside of 0 to 1.
-    #[error("stiffness {value} is not between 0 and 1")]
-    StiffnessOutOfRange {
-        /// Requested value.
-        value: f32,
-    },
-    /// A density is not positive or not finite.
-    #[error("density {value} is not a finite number above 0")]
-    BadDensity {
-        /// Requested value.
-        value: f32,
-    },
     /// A volume density was given, but the surface encloses no volume.
     #[error(
         "the surface encloses {volume} m^3 at rest; use an area density, or reverse its triangles"
@@ -51,14 +37,6 @@ pub enum ConstraintError {
     /// The surface has no area, from which masses follow.
     #[error("the surface has no rest area; repair its degenerate triangles first")]
     NoArea,
-    /// A coefficient is negative or not finite.
-    #[error("{name} {value} is negative or not finite")]
-    NegativeCoefficient {
-        /// Name of the coefficient.
-        name: &'static str,
-        /// Requested value.
-        value: f32,
-    },
     /// A collider is not a valid shape.
     #[error(
         "collider {number} has a number that is not finite, a size that is not positive, or a zero \
@@ -90,12 +68,6 @@ pub enum ConstraintError {
     FixedMaterial {
         /// The part.
         name: &'static str,
-    },
-    /// The density of interior springs is outside of 0 to 1.
-    #[error("{value} interior springs per vertex are not between 0 and 1")]
-    BadSpringDensity {
-        /// Requested value.
-        value: f32,
     },
     /// The size of patches is out of range.
     #[error(
@@ -169,6 +141,9 @@ pub enum ConstraintError {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StepError {
+    /// A parameter is out of range.
+    #[error(transparent)]
+    Parameter(#[from] OutOfRange),
     /// The time step is not positive or not finite.
     #[error("the time step dt is {value} s; give a finite number above 0")]
     BadTimeStep {
@@ -184,35 +159,6 @@ pub enum StepError {
     SubstepTooShort {
         /// Length of the substep \[s\].
         h: f32,
-    },
-    /// The number of iterations or substeps is out of range.
-    #[error(
-        "a step of {value} {name}s; use 1 to {}",
-        crate::SolverParams::MAX_COUNT
-    )]
-    CountOutOfRange {
-        /// `iteration` or `substep`.
-        name: &'static str,
-        /// The number.
-        value: u32,
-    },
-    /// Gravity or the height of the ground is not finite.
-    #[error("{name} is not finite")]
-    NonFiniteParameter {
-        /// Name of the parameter.
-        name: &'static str,
-    },
-    /// The residual is negative or not finite.
-    #[error("residual {value} m is negative or not finite; use None to run all iterations")]
-    BadResidual {
-        /// Requested residual \[m\].
-        value: f32,
-    },
-    /// The diagonal scale is outside of 1/2 to 1.
-    #[error("diagonal scale {value} is not between 1/2 and 1")]
-    DiagonalScaleOutOfRange {
-        /// Requested value.
-        value: f32,
     },
     /// The GPU backend supports implicit Euler only.
     #[error(

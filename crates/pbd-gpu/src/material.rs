@@ -4,152 +4,104 @@
 //! [`Projection`](crate::Projection) for the kernels once a frame.
 
 use crate::error::ConstraintError;
+use incise_params::{Params, Range};
 
-/// Density of a body; its mass follows from the rest shape.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Density {
-    /// Mass per area of a shell [kg/m^2].
-    Area(f32),
-    /// Mass per volume of a closed body [kg/m^3], distributed over the surface by rest area.
-    Volume(f32),
+incise_params::variants! {
+    /// Density of a body; its mass follows from the rest shape.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub enum Density = Self::Area(1.0);
+    names {}
+    values {
+        /// Mass per area of a shell [kg/m^2].
+        Area(f32) = "per_area", range: Range::POSITIVE, unit: "kg/m^2";
+        /// Mass per volume of a closed body [kg/m^3], distributed over the surface by rest area.
+        Volume(f32) = "per_volume", range: Range::POSITIVE, unit: "kg/m^3";
+    }
 }
 
-/// Stiffness of a kind of constraint.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Stiffness {
-    /// Stiffness `k` of position based dynamics, 0 to 1.
-    ///
-    /// All `n` iterations of a substep together remove the fraction `k` of the error; one
-    /// projection removes `1 - (1 - k)^(1/n)` (Mueller et al. 2007, section 3.3).
-    Pbd(f32),
-    /// Inverse stiffness of XPBD: [m/N] for stretch, [rad/(N m)] for bending. 0 is rigid.
-    ///
-    /// Independent of time step and iterations (Macklin et al. 2016).
-    Compliance(f32),
+incise_params::variants! {
+    /// Stiffness of a kind of constraint.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub enum Stiffness = Self::Pbd(1.0);
+    names {}
+    values {
+        /// Stiffness `k` of position based dynamics, 0 to 1.
+        ///
+        /// All `n` iterations of a substep together remove the fraction `k` of the error; one
+        /// projection removes `1 - (1 - k)^(1/n)` (Mueller et al. 2007, section 3.3).
+        Pbd(f32) = "stiffness", range: Range::FRACTION;
+        /// Inverse stiffness of XPBD; 0 is rigid.
+        ///
+        /// Independent of time step and iterations (Macklin et al. 2016).
+        Compliance(f32) = "compliance", range: Range::NOT_NEGATIVE,
+            unit: "m/N, rad/(N m) for bending";
+    }
 }
 
 impl Stiffness {
-    fn check(self) -> Result<(), ConstraintError> {
-        match self {
-            Self::Pbd(value) if !(0.0..=1.0).contains(&value) => {
-                Err(ConstraintError::StiffnessOutOfRange { value })
-            }
-            Self::Compliance(value) if !(value.is_finite() && value >= 0.0) => {
-                Err(ConstraintError::NegativeCompliance { value })
-            }
-            _ => Ok(()),
-        }
-    }
-
     /// Returns whether the constraint is rigid.
     pub(crate) fn is_rigid(self) -> bool {
         matches!(self, Self::Pbd(1.0) | Self::Compliance(0.0))
     }
 }
 
-/// Resistance of closed pieces to a change of their volume.
-///
-/// Pieces with a boundary, and pieces whose rest volume is zero or lost in rounding, have no volume
-/// constraint.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Volume {
-    /// Inverse bulk modulus [1/Pa]; 0 is incompressible, water has 5e-10.
+incise_params::params! {
+    /// Resistance of closed pieces to a change of their volume.
     ///
-    /// Independent of the size of a piece, the time step and the iterations.
-    pub compressibility: f32,
-    /// Target volume over rest volume: 1 keeps it, 0 collapses, more than 1 inflates (Mueller et
-    /// al. 2007, section 4.4).
-    pub pressure: f32,
-}
-
-impl Default for Volume {
-    /// Returns an incompressible volume without excess pressure.
-    fn default() -> Self {
-        Self {
-            compressibility: 0.0,
-            pressure: 1.0,
-        }
+    /// By default a volume is incompressible and without excess pressure. Pieces with a boundary,
+    /// and pieces whose rest volume is zero or lost in rounding, have no volume constraint.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Volume {
+        /// Inverse bulk modulus; 0 is incompressible, water has 5e-10.
+        ///
+        /// Independent of the size of a piece, the time step and the iterations.
+        compressibility: f32 = 0.0, range: Range::NOT_NEGATIVE, unit: "1/Pa";
+        /// Target volume over rest volume: 1 keeps it, 0 collapses, more than 1 inflates (Mueller
+        /// et al. 2007, section 4.4).
+        pressure: f32 = 1.0, range: Range::NOT_NEGATIVE;
     }
 }
 
-impl Volume {
-    fn check(self) -> Result<(), ConstraintError> {
-        let numbers = [
-            ("compressibility", self.compressibility),
-            ("pressure", self.pressure),
-        ];
-        match numbers
-            .into_iter()
-            .find(|&(_, n)| !(n.is_finite() && n >= 0.0))
-        {
-            Some((name, value)) => Err(ConstraintError::NegativeCoefficient { name, value }),
-            None => Ok(()),
-        }
-    }
-}
-
-/// Springs between opposite vertices through a body, which keep its shape.
-///
-/// [`Volume`] alone keeps the volume, not the shape.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct InteriorSprings {
-    /// Fraction of vertices that have a spring of their own, 0 to 1.
+incise_params::params! {
+    /// Springs between opposite vertices through a body, which keep its shape.
     ///
-    /// Read by the code that searches the surface for springs (`incise-scene`), not by the solver.
-    pub density: f32,
-    /// Stiffness of the springs.
-    pub stiffness: Stiffness,
-}
-
-impl Default for InteriorSprings {
-    /// Returns one spring a vertex, as soft as flesh.
-    fn default() -> Self {
-        Self {
-            density: 1.0,
-            stiffness: Stiffness::Compliance(1e-3),
-        }
+    /// By default there is one spring a vertex, as soft as flesh. [`Volume`] alone keeps the
+    /// volume, not the shape.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct InteriorSprings {
+        /// Fraction of vertices that have a spring of their own, 0 to 1.
+        ///
+        /// Read by the code that searches the surface for springs (`incise-scene`), not by the
+        /// solver.
+        density: f32 = 1.0, range: Range::FRACTION;
+        /// Stiffness of the springs.
+        stiffness: Stiffness = Stiffness::Compliance(1e-3);
     }
 }
 
-/// Material of a body.
-///
-/// [`Material::soft_body`], [`Material::shell`] and [`Material::cloth`] are starting points.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Material {
-    /// Density, from which masses follow.
-    pub density: Density,
-    /// Stiffness of edges against a change of length.
-    pub stretch: Stiffness,
-    /// Stiffness of interior edges against a change of angle. `None` has no arrays and no passes.
-    pub bending: Option<Stiffness>,
-    /// Resistance of closed pieces to a change of volume. `None` costs nothing.
-    pub volume: Option<Volume>,
-    /// Springs through the body. `None` costs nothing.
-    pub interior_springs: Option<InteriorSprings>,
-    /// Rate at which velocities decay [1/s]; bodies rebound less with it.
-    pub damping: f32,
-    /// Coulomb friction coefficient against ground, colliders and contacts.
-    pub friction: f32,
-}
-
-impl Default for Material {
-    /// Returns a limp shell of 1 kg/m^2 that does not stretch; a closed one collapses on the
-    /// ground.
-    fn default() -> Self {
-        Self {
-            density: Density::Area(1.0),
-            stretch: Stiffness::Pbd(1.0),
-            bending: Some(Stiffness::Pbd(0.2)),
-            volume: None,
-            interior_springs: None,
-            damping: 0.0,
-            friction: 0.5,
-        }
+incise_params::params! {
+    /// Material of a body.
+    ///
+    /// The default is a limp shell of 1 kg/m^2 that does not stretch; a closed one collapses on the
+    /// ground. [`Material::soft_body`], [`Material::shell`] and [`Material::cloth`] are other
+    /// starting points.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Material {
+        /// Density, from which masses follow.
+        density: Density = Density::Area(1.0);
+        /// Stiffness of edges against a change of length.
+        stretch: Stiffness = Stiffness::Pbd(1.0);
+        /// Stiffness of interior edges against a change of angle. `None` has no arrays and no
+        /// passes.
+        bending: Option<Stiffness> = Some(Stiffness::Pbd(0.2));
+        /// Resistance of closed pieces to a change of volume. `None` costs nothing.
+        volume: Option<Volume> = None;
+        /// Springs through the body. `None` costs nothing.
+        interior_springs: Option<InteriorSprings> = None;
+        /// Rate at which velocities decay; bodies rebound less with it.
+        damping: f32 = 0.0, range: Range::NOT_NEGATIVE, unit: "1/s";
+        /// Coulomb friction coefficient against ground, colliders and contacts.
+        friction: f32 = 0.5, range: Range::NOT_NEGATIVE;
     }
 }
 
@@ -191,34 +143,27 @@ impl Material {
         }
     }
 
+    /// Names of the starting points, for files and other languages.
+    pub const PRESETS: [&'static str; 4] = ["soft-body", "shell", "limp-shell", "cloth"];
+
+    /// Returns the starting point of a name; `None` for one that is not in [`Self::PRESETS`].
+    #[must_use]
+    pub fn preset(name: &str) -> Option<Self> {
+        match name {
+            "soft-body" => Some(Self::soft_body()),
+            "shell" => Some(Self::shell()),
+            "limp-shell" => Some(Self::default()),
+            "cloth" => Some(Self::cloth()),
+            _ => None,
+        }
+    }
+
     /// Checks that every number is in its range.
     ///
     /// # Errors
-    /// [`ConstraintError`] with the first number that is not.
+    /// [`ConstraintError::Parameter`] with the first number that is not.
     pub fn check(&self) -> Result<(), ConstraintError> {
-        let (Density::Area(value) | Density::Volume(value)) = self.density;
-        if !(value.is_finite() && value > 0.0) {
-            return Err(ConstraintError::BadDensity { value });
-        }
-        self.stretch.check()?;
-        if let Some(bending) = self.bending {
-            bending.check()?;
-        }
-        if let Some(volume) = self.volume {
-            volume.check()?;
-        }
-        if let Some(InteriorSprings { density, stiffness }) = self.interior_springs {
-            if !(0.0..=1.0).contains(&density) {
-                return Err(ConstraintError::BadSpringDensity { value: density });
-            }
-            stiffness.check()?;
-        }
-        for (name, value) in [("damping", self.damping), ("friction", self.friction)] {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(ConstraintError::NegativeCoefficient { name, value });
-            }
-        }
-        Ok(())
+        Ok(self.check_ranges()?)
     }
 }
 
@@ -228,52 +173,42 @@ mod tests {
 
     #[test]
     fn bad_numbers_are_named() {
-        let bad = |change: fn(&mut Material)| {
-            let mut material = Material::default();
+        let refused = |change: fn(&mut Material)| {
+            let mut material = Material::soft_body();
             change(&mut material);
-            material.check().unwrap_err()
-        };
-        let value = -1.0;
-        assert_eq!(
-            bad(|m| m.density = Density::Volume(-1.0)),
-            ConstraintError::BadDensity { value }
-        );
-        assert_eq!(
-            bad(|m| m.stretch = Stiffness::Compliance(-1.0)),
-            ConstraintError::NegativeCompliance { value }
-        );
-        assert_eq!(
-            bad(|m| m.bending = Some(Stiffness::Pbd(-1.0))),
-            ConstraintError::StiffnessOutOfRange { value }
-        );
-        assert_eq!(
-            bad(|m| m.friction = -1.0),
-            ConstraintError::NegativeCoefficient {
-                name: "friction",
-                value
-            }
-        );
-        let interior_springs = |density| Material {
-            interior_springs: Some(InteriorSprings {
-                density,
-                ..InteriorSprings::default()
-            }),
-            ..Material::default()
-        };
-        assert!(interior_springs(1.0).check().is_ok());
-        let bad = interior_springs(1.5).check().unwrap_err();
-        assert_eq!(bad, ConstraintError::BadSpringDensity { value: 1.5 });
-        let volume = |change: fn(&mut Volume)| {
-            let mut volume = Volume::default();
-            change(&mut volume);
-            let material = Material {
-                volume: Some(volume),
-                ..Material::default()
-            };
             material.check().unwrap_err().to_string()
         };
-        assert!(volume(|v| v.pressure = -1.0).contains("pressure -1"));
-        assert!(volume(|v| v.compressibility = f32::NAN).contains("compressibility NaN"));
-        assert!(Material::default().check().is_ok());
+        for (change, message) in [
+            (
+                (|m| m.density = Density::Volume(-1.0)) as fn(&mut Material),
+                "density.per_volume is -1; it must be a finite number above 0",
+            ),
+            (
+                |m| m.stretch = Stiffness::Compliance(-1.0),
+                "stretch.compliance is -1; it must be a finite number of at least 0",
+            ),
+            (
+                |m| m.bending = Some(Stiffness::Pbd(2.0)),
+                "bending.stiffness is 2; it must be from 0 to 1",
+            ),
+            (
+                |m| m.friction = f32::NAN,
+                "friction is NaN; it must be a finite number of at least 0",
+            ),
+            (
+                |m| m.volume.as_mut().unwrap().pressure = -1.0,
+                "volume.pressure is -1; it must be a finite number of at least 0",
+            ),
+            (
+                |m| m.interior_springs.as_mut().unwrap().density = 1.5,
+                "interior_springs.density is 1.5; it must be from 0 to 1",
+            ),
+        ] {
+            assert_eq!(refused(change), message);
+        }
+        for name in Material::PRESETS {
+            assert_eq!(Material::preset(name).unwrap().check(), Ok(()));
+        }
+        assert_eq!(Material::preset("steel"), None);
     }
 }

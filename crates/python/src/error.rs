@@ -2,10 +2,11 @@
 
 use incise::cut::CutError as LibraryCutError;
 use incise::mesh::{NotCuttable, ReadError, TopologyError as LibraryTopologyError, WriteError};
+use incise::params::ParamError;
 use incise::refine::HoleError;
 use incise::scene::{LoadError, SceneError as LibrarySceneError};
 use pyo3::create_exception;
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use std::fmt::Display;
 use std::io;
@@ -109,6 +110,19 @@ impl IntoException for LibrarySceneError {
 impl IntoException for LoadError {
     fn exception(self) -> PyErr {
         FileError::new_err(self.to_string())
+    }
+}
+
+impl IntoException for ParamError {
+    fn exception(self) -> PyErr {
+        let is_keyword = |name: &str| !name.contains('.');
+        match &self {
+            Self::Unknown { name, .. } if is_keyword(name) => {
+                PyTypeError::new_err(self.to_string())
+            }
+            Self::WrongType { .. } => PyTypeError::new_err(self.to_string()),
+            _ => refused(self),
+        }
     }
 }
 

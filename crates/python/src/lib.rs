@@ -1,17 +1,17 @@
 #![doc = include_str!("../README.md")]
 
 mod arrays;
+mod colliders;
 mod cut;
 mod error;
 mod frame_stats;
 mod mesh;
 mod mesh_arrays;
 mod model;
-mod options;
 mod origins;
+mod params;
 mod report;
 mod scene;
-mod solver_options;
 mod view;
 
 use pyo3::prelude::*;

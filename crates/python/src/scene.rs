@@ -25,34 +25,11 @@ const UNDO_LIMIT: usize = 256;
 /// Lengths are in meters, times in seconds, masses in kilograms; the y axis points up. Bodies and
 /// blades are numbers that `add_body` and `add_blade` return.
 ///
-/// Parameters
-/// ----------
-/// dt : float
-///     Time step of a frame [s].
-/// iterations, substeps : int
-///     Solver iterations per substep, and substeps per frame.
-/// gravity : three numbers
-///     Acceleration [m/s^2]; None is (0, -9.81, 0).
-/// ground : float, optional
-///     Height of the ground plane [m].
-/// contacts : bool or dict
-///     Whether bodies, pieces and blade faces touch each other, by default not; `{"thickness":
-///     edge_lengths, "self_collision": bool}` sets parameters.
-/// sleep : bool
-///     Whether bodies at rest are not stepped until something moves them.
-/// `skip_far_sweeps` : bool
-///     Whether a blade is tested only against bodies whose bounding box it meets.
-/// threads : int, optional
-///     Largest number of threads of a step. The results do not depend on it.
-/// `diagonal_scale` : float
-///     Over-relaxation of the XPBD diagonal, 0.5 (default) to 1. Bodies are softer and damped with
-///     1, the paper's value.
-/// attachments : bool
-///     Whether pinned bodies that do not stretch have long range attachments; the paper has none.
-/// `undo_limit` : int
-///     Number of cuts that `undo` can undo.
-/// **options
-///     Options of cuts, see `Mesh.cut`.
+/// Keywords are the parameters `SceneParams` of `docs/parameters.md` by their names, for example
+/// `Scene(ground=-0.5, substeps=8, contacts={"thickness": 0.2}, level="2x-finer")`, and
+/// `undo_limit`, the number of cuts that `undo` can undo. Nested names have underscores,
+/// `contacts_thickness`. None is the default of a parameter, and no value of an optional one. The
+/// results do not depend on `threads`.
 ///
 /// One thread at a time may use a scene. Other threads of Python run during `step`.
 #[pyclass(module = "incise")]
@@ -88,12 +65,7 @@ impl<'py> FromPyObject<'_, 'py> for Number {
 #[pymethods]
 impl Scene {
     #[new]
-    #[pyo3(
-        signature = (**options),
-        text_signature = "(*, dt=1/60, iterations=1, substeps=16, gravity=None, ground=None, \
-            contacts=None, sleep=True, skip_far_sweeps=True, threads=None, diagonal_scale=0.5, \
-            attachments=True, undo_limit=256, **options)"
-    )]
+    #[pyo3(signature = (**options))]
     fn new(options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let mut scene = Self {
             scene: LibraryScene::new(SceneParams::default()),

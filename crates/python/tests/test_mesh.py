@@ -156,7 +156,7 @@ def test_fill_closes_holes(bowl: incise.Mesh) -> None:
     assert filled.materials[:m].max() == 0 and filled.materials[m:].min() == 1
     assert len(filled.faces) == m + report["holes"][0]["triangles"]
     assert n > len(used), "compaction drops the vertices that no face uses"
-    kept, report = bowl.fill(max_edges=3)
+    kept, report = bowl.fill(max_rim_edges=3)
     assert not kept.is_closed and report["left_open"] == 1
     with pytest.raises(incise.FillError, match="more than 1 triangles"):
         bowl.fill(max_triangles=1)

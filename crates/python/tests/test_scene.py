@@ -139,8 +139,7 @@ def test_velocities_move_a_body(sphere: incise.Mesh) -> None:
         ({"density": {"per_area": -1.0}}, "density"),
         ({"density": {"per_liter": 1.0}}, "per_liter"),
         ({"stretch": {"stiffness": 2.0}}, "stiffness"),
-        ({"stretch": {"stiffness": 1.0, "compliance": 0.0}}, "2 keys"),
-        ({"bending": 3}, "no dict"),
+        ({"stretch": {"stiffness": 1.0, "compliance": 0.0}}, "it must be one of { stiffness"),
         ({"friction": float("nan")}, "friction"),
         ({"material": "jelly"}, "soft-body"),
     ],
@@ -153,13 +152,13 @@ def test_bad_materials_are_refused(sphere: incise.Mesh, keys: Any, text: str) ->
 @pytest.mark.parametrize(
     ("keys", "text"),
     [
-        ({"dt": 0.0}, "time step"),
+        ({"dt": 0.0}, "dt is 0"),
         ({"iterations": 0}, "iteration"),
-        ({"gravity": [0, 0]}, r"shape \(2,\)"),
+        ({"gravity": [0, 0]}, "it must be 3 numbers"),
         ({"ground": float("inf")}, "ground"),
         ({"contacts": {"thickness": -1.0}}, "thickness"),
         ({"contacts": {"depth": 1.0}}, "depth"),
-        ({"level": "finest"}, "refinement level"),
+        ({"level": "finest"}, "level is 'finest'"),
     ],
 )
 def test_bad_parameters_of_scenes_are_refused(keys: Any, text: str) -> None:
@@ -171,7 +170,7 @@ def test_a_bad_time_step_changes_nothing(sphere: incise.Mesh) -> None:
     scene = incise.Scene(gravity=(0, 0, 0), dt=0.01)
     scene.add_body(sphere)
     for dt in (0.0, -1.0, float("nan")):
-        with pytest.raises(incise.SceneError, match="time step"):
+        with pytest.raises(incise.SceneError, match="dt is"):
             scene.step(dt=dt)
     scene.step()
 

@@ -251,7 +251,7 @@ def test_numbers_that_are_not_finite_are_refused_at_the_call(
         option: Any = {name: value}
         calls.append((name, lambda option=option: scene.set_params(**option)))
         calls.append((name, lambda option=option: incise.Scene(**option)))
-    calls.append(("diagonal scale", lambda: scene.set_params(diagonal_scale=value)))
+    calls.append(("diagonal_scale", lambda: scene.set_params(diagonal_scale=value)))
     calls.append(("gravity", lambda: scene.set_params(gravity=bad)))
     calls.append(("thickness", lambda: scene.set_params(contacts={"thickness": value})))
     for name, call in calls:
@@ -264,11 +264,11 @@ def test_numbers_that_are_not_finite_are_refused_at_the_call(
 @pytest.mark.parametrize(
     ("options", "text"),
     [
-        ({"threads": 0}, "threads is 0; pass 1 or more"),
+        ({"threads": 0}, "threads is 0; it must be a finite number of at least 1"),
         ({"threads": -2}, "threads is -2"),
-        ({"substeps": -1}, "substeps is -1; pass 1 to 1048576"),
+        ({"substeps": -1}, "substeps is -1; it must be from 1 to 1048576"),
         ({"iterations": 2**40}, "iterations is 1099511627776"),
-        ({"substeps": 1 << 21}, "substeps; use 1 to"),
+        ({"substeps": 1 << 21}, "substeps is 2097152; it must be from 1"),
     ],
 )
 def test_counts_out_of_range_name_the_argument(options: Any, text: str) -> None:
@@ -282,9 +282,9 @@ def test_unknown_options_of_a_scene_list_those_of_a_scene() -> None:
     misspelled: Any = {"grond": 1}
     scene = incise.Scene()
     for call in (lambda: incise.Scene(**misspelled), lambda: scene.set_params(**misspelled)):
-        with pytest.raises(TypeError, match="'grond'; options of a scene are dt.*ground.*level"):
+        with pytest.raises(TypeError, match="'grond'; the names are dt.*ground.*level"):
             call()
-    with pytest.raises(TypeError, match="substeps is no count"):
+    with pytest.raises(TypeError, match="substeps is '1.5'; it must be a whole number"):
         incise.Scene(substeps=1.5)  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match="sleep is no bool"):
+    with pytest.raises(TypeError, match="sleep is 'no'; it must be true, false"):
         incise.Scene(sleep="no")  # type: ignore[arg-type]

@@ -1,11 +1,15 @@
 //! The error types of the crate: [`RefineError`] for rims and sections, [`HoleError`] for surfaces.
 
 use incise_mesh::{HalfEdge, VertexId};
+use incise_params::OutOfRange;
 
 /// The error of a rim or section that cannot be triangulated.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RefineError {
+    /// A parameter is out of range.
+    #[error(transparent)]
+    Parameter(#[from] OutOfRange),
     /// The rim is not a polygon.
     #[error("the rim has {vertices} vertices; it needs at least 3")]
     RimTooShort {
@@ -17,12 +21,6 @@ pub enum RefineError {
     NonFinite {
         /// Index of the point in the rim or section.
         vertex: usize,
-    },
-    /// The level z is not a positive number.
-    #[error("z must be a positive number, not {z}")]
-    NonPositiveLevel {
-        /// The level z.
-        z: f64,
     },
     /// The target length is not a positive number.
     #[error("the target length must be a positive number, not {length}")]
@@ -87,12 +85,9 @@ pub enum RefineError {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum HoleError {
-    /// The level z is not a positive number.
-    #[error("z must be a positive number, not {z}")]
-    NonPositiveLevel {
-        /// The level z.
-        z: f64,
-    },
+    /// A parameter is out of range.
+    #[error(transparent)]
+    Parameter(#[from] OutOfRange),
     /// The rim is not a closed chain of boundary half-edges.
     #[error(
         "the rim is open at {half_edge}: it has a triangle on both sides, or does not start where \

@@ -1,26 +1,30 @@
 //! Refinement parameters: the paper's five levels, the method and the limits of a patch.
 
 use crate::error::RefineError;
+use incise_params::{Params, Range};
 use std::fmt;
 use std::str::FromStr;
 
-/// The edge length of a patch relative to its rim: the z of the paper's Formula 2.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum RefinementLevel {
-    /// "2 times coarser": z = 2.
-    Coarser2,
-    /// "1.5 times coarser": z = 1.5.
-    Coarser1_5,
-    /// "Original": z = 1.
-    #[default]
-    Original,
-    /// "1.5 times more refine": z = 1 / 1.5.
-    Finer1_5,
-    /// "2 times more refine": z = 1 / 2.
-    Finer2,
-    /// Any z > 0.
-    Z(f64),
+incise_params::variants! {
+    /// The edge length of a patch relative to its rim: the z of the paper's Formula 2.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub enum RefinementLevel = Self::Original;
+    names {
+        /// "2 times coarser": z = 2.
+        Coarser2 = "2x-coarser";
+        /// "1.5 times coarser": z = 1.5.
+        Coarser1_5 = "1.5x-coarser";
+        /// "Original": z = 1.
+        Original = "original";
+        /// "1.5 times more refine": z = 1 / 1.5.
+        Finer1_5 = "1.5x-finer";
+        /// "2 times more refine": z = 1 / 2.
+        Finer2 = "2x-finer";
+    }
+    values {
+        /// Any z > 0.
+        Z(f64) = "z", range: Range::POSITIVE;
+    }
 }
 
 impl RefinementLevel {
@@ -50,12 +54,8 @@ impl RefinementLevel {
 impl fmt::Display for RefinementLevel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Coarser2 => f.write_str("2x-coarser"),
-            Self::Coarser1_5 => f.write_str("1.5x-coarser"),
-            Self::Original => f.write_str("original"),
-            Self::Finer1_5 => f.write_str("1.5x-finer"),
-            Self::Finer2 => f.write_str("2x-finer"),
             Self::Z(z) => write!(f, "{z}"),
+            named => f.write_str(named.name()),
         }
     }
 }
@@ -82,85 +82,59 @@ impl FromStr for RefinementLevel {
     }
 }
 
-/// The algorithm that triangulates and refines a section.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[non_exhaustive]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum RefineMethod {
-    /// A core of equilateral triangles with a Delaunay band around it.
-    ///
-    /// Where target lengths differ too much for one core, frontal Delaunay refinement.
-    #[default]
-    Delaunay,
-    /// The paper's method: ear clipping (Algorithm A2), then subdivision and edge swaps.
-    ///
-    /// Algorithms 4 and A3 run until mean edges reach the mean of the targets along the rim. The
-    /// paper has no nested loops; they start from a constrained Delaunay triangulation.
-    Paper,
+incise_params::choices! {
+    /// The algorithm that triangulates and refines a section.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    #[non_exhaustive]
+    pub enum RefineMethod {
+        /// A core of equilateral triangles with a Delaunay band around it.
+        ///
+        /// Where target lengths differ too much for one core, frontal Delaunay refinement.
+        Delaunay = "delaunay",
+        /// The paper's method: ear clipping (Algorithm A2), then subdivision and edge swaps.
+        ///
+        /// Algorithms 4 and A3 run until mean edges reach the mean of the targets along the rim.
+        /// The paper has no nested loops; they start from a constrained Delaunay triangulation.
+        Paper = "paper",
+    }
 }
 
-/// Parameters for the refinement of a patch.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct RefineParams {
-    /// The algorithm for caps of the exact cutting method. [`crate::paper::fill`] ignores it.
-    pub method: RefineMethod,
-    /// Edge length relative to the rim's edges.
-    pub level: RefinementLevel,
-    /// The t of Formula 2 for the whole patch \[m\].
-    ///
-    /// `None`: the exact method uses the mean edge of the surface at every rim vertex, the paper's
-    /// method the mean edge of the rim.
-    pub rim_length: Option<f64>,
-    /// Growth of the target length with the distance from the rim \[m/m\].
-    ///
-    /// Only for the exact method with [`RefineMethod::Delaunay`]. 0: the target at the rim holds
-    /// everywhere. Above 0, the number of triangles grows with the rim, not with the area. The
-    /// default is 0.3, see `docs/log/2026-11.md`.
-    pub grading: f64,
-    /// Maximum rounds of subdivision and edge swaps: n of Algorithm 4.
-    ///
-    /// A round divides edge lengths by about the root of 3. Refinement ends earlier when no
-    /// triangle is too large.
-    pub max_rounds: u32,
-    /// Maximum number of triangles of a patch; a patch that needs more is an error.
-    pub max_triangles: usize,
-}
-
-impl Default for RefineParams {
-    fn default() -> Self {
-        Self {
-            method: RefineMethod::default(),
-            level: RefinementLevel::Original,
-            rim_length: None,
-            grading: 0.3,
-            max_rounds: 24,
-            max_triangles: 4_000_000,
-        }
+incise_params::params! {
+    /// Parameters for the refinement of a patch.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct RefineParams {
+        /// The algorithm for caps of the exact cutting method. [`crate::paper::fill`] ignores it.
+        method: RefineMethod = RefineMethod::Delaunay;
+        /// Edge length relative to the rim's edges.
+        level: RefinementLevel = RefinementLevel::Original;
+        /// The t of Formula 2 for the whole patch.
+        ///
+        /// `None`: the exact method uses the mean edge of the surface at every rim vertex, the
+        /// paper's method the mean edge of the rim.
+        rim_length: Option<f64> = None, range: Range::POSITIVE, unit: "m";
+        /// Growth of the target length with the distance from the rim.
+        ///
+        /// Only for the exact method with [`RefineMethod::Delaunay`]. 0: the target at the rim
+        /// holds everywhere. Above 0, the number of triangles grows with the rim, not with the
+        /// area. About the default see `docs/log/2026-11.md`.
+        grading: f64 = 0.3, range: Range::NOT_NEGATIVE, unit: "m/m";
+        /// Maximum rounds of subdivision and edge swaps: n of Algorithm 4.
+        ///
+        /// A round divides edge lengths by about the root of 3. Refinement ends earlier when no
+        /// triangle is too large.
+        max_rounds: u32 = 24;
+        /// Maximum number of triangles of a patch; a patch that needs more is an error.
+        max_triangles: usize = 4_000_000;
     }
 }
 
 impl RefineParams {
-    /// Checks that level and rim length are positive numbers and the grading is not negative.
+    /// Checks that every number is in its range.
     ///
     /// # Errors
-    /// [`RefineError::NonPositiveLevel`], [`RefineError::NonPositiveLength`] and
-    /// [`RefineError::NegativeGrading`].
+    /// [`RefineError::Parameter`] with the first number that is not.
     pub fn check(&self) -> Result<(), RefineError> {
-        let z = self.level.z();
-        if !(z > 0.0 && z.is_finite()) {
-            return Err(RefineError::NonPositiveLevel { z });
-        }
-        let grading = self.grading;
-        if !(grading >= 0.0 && grading.is_finite()) {
-            return Err(RefineError::NegativeGrading { grading });
-        }
-        match self.rim_length {
-            Some(length) if !(length > 0.0 && length.is_finite()) => {
-                Err(RefineError::NonPositiveLength { length })
-            }
-            _ => Ok(()),
-        }
+        Ok(self.check_ranges()?)
     }
 }
 

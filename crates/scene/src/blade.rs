@@ -21,20 +21,20 @@ impl fmt::Display for BladeId {
     }
 }
 
-/// Whether a blade may end inside a body.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum BladeMode {
-    /// Cuts as far as the blade moves and goes on from there in later frames.
-    ///
-    /// The walls of an incision belong to one piece: contacts between them need
-    /// [`crate::ContactParams::self_collision`]. They coincide at rest, so that the minimum
-    /// distance between them is zero. With [`incise_cut::CutMethod::Paper`] only full
-    /// slices are possible.
-    #[default]
-    Progressive,
-    /// Cuts full slices: a sweep that ends inside a body is refused.
-    FullSlices,
+incise_params::choices! {
+    /// Whether a blade may end inside a body.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum BladeMode {
+        /// Cuts as far as the blade moves and goes on from there in later frames.
+        ///
+        /// The walls of an incision belong to one piece: contacts between them need
+        /// [`crate::ContactParams::self_collision`]. They coincide at rest, so that the minimum
+        /// distance between them is zero. With [`incise_cut::CutMethod::Paper`] only full
+        /// slices are possible.
+        Progressive = "progressive",
+        /// Cuts full slices: a sweep that ends inside a body is refused.
+        FullSlices = "full-slices",
+    }
 }
 
 /// A cutting edge with its pose in this and the previous frame.

@@ -40,13 +40,13 @@ mod saved;
 mod sheets;
 
 use crate::body::Body;
-use crate::error::SceneError;
 use crate::scene::Bodies;
 use body_rows::BodyRows;
 use broad_phase::Pieces;
 use carriers::Carriers;
 use edge_pairs::EdgePairs;
 use incise_mesh::{Aabb, MovingPoint, Vec3};
+use incise_params::Range;
 use incise_pbd_gpu::MovingCollider;
 use motion::Motion;
 use narrow_phase::Search;
@@ -62,49 +62,22 @@ pub(crate) use saved::{SavedContacts, SavedFace};
 /// Factor by which a velocity may grow within a frame: an impact bends the body.
 const SPEED_MARGIN: f64 = MovingPoint::SPEED_MARGIN as f64;
 
-/// Parameters of contact detection. Friction is a parameter of the material.
-///
-/// Vertices are tested against triangles, and sharp edges against those of other bodies. Sheets
-/// collide on both sides, closed pieces on the outer one. Between two bodies friction is the
-/// geometric mean of both. Closed pieces deep in each other are moved apart, each pair at most by a
-/// diagonal of the smaller one per second, and lose the velocity of their approach.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct ContactParams {
-    /// Minimum distance between surfaces [mean rest edge lengths of the finer body], at most
-    /// [`ContactParams::MAX_THICKNESS`].
+incise_params::params! {
+    /// Parameters of contact detection. Friction is a parameter of the material.
     ///
-    /// From a closed piece it is at most half of its volume by its area, a quarter of a plate.
-    pub thickness: f32,
-    /// Whether the triangles of one piece collide with each other.
-    pub self_collision: bool,
-}
-
-impl Default for ContactParams {
-    /// Returns a thickness of a tenth of an edge length and no self-collision.
-    fn default() -> Self {
-        Self {
-            thickness: 0.1,
-            self_collision: false,
-        }
-    }
-}
-
-impl ContactParams {
-    /// Maximum thickness: with a larger one every triangle would be a candidate.
-    pub const MAX_THICKNESS: f32 = 100.0;
-
-    /// Validates every parameter.
-    ///
-    /// # Errors
-    /// [`SceneError::InvalidContactThickness`].
-    pub fn check(&self) -> Result<(), SceneError> {
-        let value = self.thickness;
-        if value > 0.0 && value <= Self::MAX_THICKNESS {
-            Ok(())
-        } else {
-            Err(SceneError::InvalidContactThickness { value })
-        }
+    /// Vertices are tested against triangles, and sharp edges against those of other bodies. Sheets
+    /// collide on both sides, closed pieces on the outer one. Between two bodies friction is the
+    /// geometric mean of both. Closed pieces deep in each other are moved apart, each pair at most
+    /// by a diagonal of the smaller one per second, and lose the velocity of their approach.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct ContactParams {
+        /// Minimum distance between surfaces, relative to edges of the finer body.
+        ///
+        /// From a closed piece it is at most half of its volume by its area, a quarter of a plate.
+        /// With a thickness beyond the range every triangle would be a candidate.
+        thickness: f32 = 0.1, range: Range::POSITIVE.up_to(100.0), unit: "mean rest edge lengths";
+        /// Whether the triangles of one piece collide with each other.
+        self_collision: bool = false;
     }
 }
 

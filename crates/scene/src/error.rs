@@ -4,6 +4,7 @@ use crate::blade::BladeId;
 use crate::body::BodyId;
 use incise_cut::CutError;
 use incise_mesh::{ChannelError, UndoError, VertexId};
+use incise_params::OutOfRange;
 use incise_pbd_gpu::{ConstraintError, StepError};
 
 /// An error of a scene's method.
@@ -47,20 +48,15 @@ pub enum SceneError {
     /// The body cannot be simulated, or its constraints cannot follow a cut.
     #[error("constraints: {0}")]
     Constraint(#[from] ConstraintError),
-    /// A frame parameter is out of range, or not supported on the GPU. Nothing has moved.
+    /// A substep is too short, or a parameter is not supported on the GPU. Nothing has moved.
     #[error("invalid frame: {0}")]
     Frame(StepError),
-    /// A parameter of cuts is out of range.
+    /// A parameter is out of range. Nothing has moved.
+    #[error(transparent)]
+    Parameter(#[from] OutOfRange),
+    /// A sweep or a cut is refused.
     #[error("cuts: {0}")]
     Cut(CutError),
-    /// A sleep parameter is out of range.
-    #[error("sleep: {name} is {value}; give a finite number that is not negative")]
-    InvalidSleepParams {
-        /// The parameter.
-        name: &'static str,
-        /// Its value.
-        value: f32,
-    },
     /// A cut cannot be undone; nothing has changed.
     #[error("undo: {0}")]
     Undo(#[from] UndoError),
@@ -69,15 +65,6 @@ pub enum SceneError {
     NothingToUndo {
         /// The body.
         body: BodyId,
-    },
-    /// The contact thickness is out of range.
-    #[error(
-        "contacts: the thickness is {value} edge lengths; give a number above 0 and at most {}",
-        crate::ContactParams::MAX_THICKNESS
-    )]
-    InvalidContactThickness {
-        /// The thickness [mean edge lengths].
-        value: f32,
     },
     /// An edit set a position that is not finite.
     #[error(

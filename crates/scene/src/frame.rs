@@ -55,11 +55,10 @@ impl Scene {
     /// Moves the bodies: the second half of a frame. The GPU may still work when this returns.
     ///
     /// # Errors
-    /// [`SceneError::Frame`], [`SceneError::InvalidSleepParams`] and
-    /// [`SceneError::InvalidContactThickness`] for a parameter out of range; nothing has moved
-    /// then. [`SceneError::PositionNotFinite`] and [`SceneError::TopologyEdited`] for an edit of a
-    /// body, [`SceneError::Step`] when a body cannot be stepped, [`SceneError`] of the GPU when it
-    /// fails.
+    /// [`SceneError::Parameter`] and [`SceneError::Frame`] for a parameter out of range; nothing
+    /// has moved then. [`SceneError::PositionNotFinite`] and [`SceneError::TopologyEdited`] for an
+    /// edit of a body, [`SceneError::Step`] when a body cannot be stepped, [`SceneError`] of the
+    /// GPU when it fails.
     pub fn advance(&mut self) -> Result<&FrameStats, SceneError> {
         let begin = Instant::now();
         self.check_params()?;

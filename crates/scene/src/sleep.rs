@@ -13,33 +13,34 @@ mod saved;
 
 use crate::body::Body;
 use crate::contacts::ContactParams;
-use crate::error::SceneError;
 use crate::params::SceneParams;
 use excursion::{Excursion, LAST};
 use incise_mesh::Aabb;
+use incise_params::Range;
 use incise_pbd_gpu::SolverParams;
 #[cfg(feature = "serde")]
 pub(crate) use saved::SavedSleep;
 
-/// Parameters of sleeping. Touching bodies and all pieces of a body sleep together.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct SleepParams {
-    /// Maximum speed of a vertex along an axis at rest [mean rest edge lengths per second].
-    ///
-    /// Measured in the fastest substep. Bodies that touch others may also jitter by a twentieth of
-    /// an edge length if they are back in frames 8 to 20 and again in frames 21 to 32 of the
-    /// observation. This takes more than 32 frames, [`SleepParams::LAG`] included. Rounding adds up
-    /// to four times as much: a few units in the last place of the body's largest coordinate. A
-    /// body whose coordinates round more coarsely stays awake. A body that creeps more slowly than
-    /// this is stopped by its sleep.
-    pub speed: f32,
-    /// Time for which every vertex must be slower \[s\].
-    ///
-    /// A body thrown upwards is slow for a moment at the top of its flight; choose a longer time.
-    /// A body sleeps at the latest twice this time and [`SleepParams::LAG`] frames after it came
-    /// to rest.
-    pub seconds: f32,
+incise_params::params! {
+    /// Parameters of sleeping. Touching bodies and all pieces of a body sleep together.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct SleepParams {
+        /// Maximum speed of a vertex along an axis at rest.
+        ///
+        /// Measured in the fastest substep. Bodies that touch others may also jitter by a twentieth
+        /// of an edge length if they are back in frames 8 to 20 and again in frames 21 to 32 of the
+        /// observation. This takes more than 32 frames, [`SleepParams::LAG`] included. Rounding
+        /// adds up to four times as much: a few units in the last place of the body's largest
+        /// coordinate. A body whose coordinates round more coarsely stays awake. A body that creeps
+        /// more slowly than this is stopped by its sleep.
+        speed: f32 = 6e-3, range: Range::NOT_NEGATIVE, unit: "mean rest edge lengths per second";
+        /// Time for which every vertex must be slower.
+        ///
+        /// A body thrown upwards is slow for a moment at the top of its flight; choose a longer
+        /// time. A body sleeps at the latest twice this time and [`SleepParams::LAG`] frames after
+        /// it came to rest.
+        seconds: f32 = 0.5, range: Range::NOT_NEGATIVE, unit: "s";
+    }
 }
 
 impl SleepParams {
@@ -62,19 +63,6 @@ impl SleepParams {
         (frames as u32).clamp(1, u32::MAX - Self::LAG)
     }
 
-    /// Validates every parameter.
-    ///
-    /// # Errors
-    /// [`SceneError::InvalidSleepParams`] with the first one out of range.
-    pub fn check(&self) -> Result<(), SceneError> {
-        for (name, value) in [("speed", self.speed), ("seconds", self.seconds)] {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(SceneError::InvalidSleepParams { name, value });
-            }
-        }
-        Ok(())
-    }
-
     /// Returns the maximum displacement of a vertex at rest along an axis in a substep \[m\].
     ///
     /// `edge` is the mean rest edge length \[m\], `bounds` the body's box \[m\] and `h` the
@@ -85,16 +73,6 @@ impl SleepParams {
         let rounding = 2.0 * f64::from(f32::EPSILON) * f64::from(largest);
         let slow = f64::from(self.speed) * edge * h;
         slow + rounding.min(MAX_ROUNDING * slow)
-    }
-}
-
-impl Default for SleepParams {
-    /// Returns less than a hundredth of an edge length a second, for half a second.
-    fn default() -> Self {
-        Self {
-            speed: 6e-3,
-            seconds: 0.5,
-        }
     }
 }
 

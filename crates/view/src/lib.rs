@@ -10,7 +10,7 @@ mod session;
 #[cfg(feature = "window")]
 mod window;
 
-pub use command::{Command, Edge, Method, Settings};
+pub use command::{Command, Edge, Settings};
 #[cfg(feature = "window")]
 pub use error::ViewError;
 pub use pointer::{Button, OrbitCamera, Pointer, Tool, slice_command};

@@ -3,9 +3,9 @@
 //! Exit codes: 0 the window was closed, 1 unusable input or no window, 2 wrong command line.
 
 use clap::Parser;
-use incise_cli::{
-    Backend, CapsOption, InputOptions, Size, output_path, read_surface, size, write_pieces,
-};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use incise_cli::{Backend, InputOptions, Size, output_path, read_surface, size, write_pieces};
+use incise_cut::Caps;
 use incise_scene::BackendRequest;
 use incise_view::{Recording, RecordingError, WindowOptions};
 use std::error::Error;
@@ -40,12 +40,12 @@ struct Arguments {
     /// Curves along which caps close cuts (exact method).
     #[arg(
         long,
-        value_enum,
         value_name = "CURVES",
-        default_value_t = CapsOption::Bodies,
+        default_value = Caps::default().name(),
+        value_parser = caps(),
         conflicts_with = "replay"
     )]
-    caps: CapsOption,
+    caps: Caps,
     /// Start paused; Space resumes.
     #[arg(long)]
     paused: bool,
@@ -69,6 +69,12 @@ struct Arguments {
     /// Replay a recording of the same body.
     #[arg(long, value_name = "FILE")]
     replay: Option<PathBuf>,
+}
+
+/// Parses the curves along which caps close cuts.
+fn caps() -> impl TypedValueParser<Value = Caps> {
+    let names = PossibleValuesParser::new(Caps::NAMES.iter().copied());
+    names.map(|name| Caps::from_name(&name).unwrap_or_default())
 }
 
 /// The recording cannot be read.
@@ -111,7 +117,7 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
         },
         size: pixels,
         paused: arguments.paused,
-        caps: arguments.caps.caps(),
+        caps: arguments.caps,
         replay,
         record_to: arguments.record,
         save: Box::new(move |surface| {

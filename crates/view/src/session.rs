@@ -102,7 +102,7 @@ impl Session {
         let ground = bounds.min[1] - DROP * diagonal;
         let recording = Recording::new(&surface, settings);
         scene.params = settings.scene(ground, false);
-        let body = scene.add_body(surface.clone(), &settings.material())?;
+        let body = scene.add_body(surface.clone(), &settings.material)?;
         let blade = scene.add_blade([[0.0; 3]; 2]);
         Ok(Self {
             scene,

@@ -97,10 +97,8 @@ impl Default for DisplayOptions {
 /// failure.
 pub fn run(options: WindowOptions) -> Result<(), ViewError> {
     let replay = options.replay.clone();
-    let chosen = Settings {
-        caps: options.caps,
-        ..Settings::default()
-    };
+    let mut chosen = Settings::default();
+    chosen.scene.cut.caps = options.caps;
     let settings = replay.as_ref().map_or(chosen, Recording::settings);
     let replay = replay.map(|r| r.replay(&options.surface)).transpose()?;
     let events = EventLoop::new().map_err(|error| {

@@ -1,49 +1,130 @@
 //! Arguments of JavaScript: names, rows of numbers, and typed arrays of any length.
 
 use crate::error::WebError;
-use incise::cut::{CutMethod, CutParams, PaperParams};
+use incise::cut::CutParams;
 use incise::mesh::{MeshData, read_gltf, read_obj, read_ply, read_stl};
-use incise::pbd::{Material, SolverParams};
+use incise::params::{ParamError, Params, Value};
+use incise::pbd::Material;
 use incise_models::Model;
-use js_sys::{Float32Array, Float64Array, Uint8Array, Uint32Array};
-use wasm_bindgen::JsCast;
+use js_sys::{Array, Float32Array, Float64Array, Object, Uint8Array, Uint32Array};
+use wasm_bindgen::{JsCast, JsValue};
 
-/// Returns the parameters of a cut; absent names are the defaults of the library.
-pub(crate) fn cut_params(level: Option<&str>, method: Option<&str>) -> Result<CutParams, WebError> {
+/// Returns the parameters of a cut: the defaults with values by name, or without them.
+pub(crate) fn cut_params(values: &Value) -> Result<CutParams, WebError> {
     let mut params = CutParams::default();
-    if let Some(level) = level {
-        params.refine.level = level.parse()?;
-    }
-    if let Some(method) = method {
-        params.method = cut_method(method)?;
-    }
+    let names = set(&mut params, values)?;
+    params.check_given(names)?;
+    params.check()?;
     Ok(params)
 }
 
-/// Returns the method of a name.
-pub(crate) fn cut_method(name: &str) -> Result<CutMethod, WebError> {
-    match name {
-        "exact" => Ok(CutMethod::default()),
-        "paper" => Ok(CutMethod::Paper(PaperParams::default())),
-        _ => Err(unknown(name, "cut method", "exact or paper")),
-    }
+/// Sets parameters by name, and returns the names.
+pub(crate) fn set<'a, P: Params>(
+    params: &mut P,
+    values: &'a Value,
+) -> Result<impl Iterator<Item = &'a str> + use<'a, P>, WebError> {
+    let entries = match values {
+        Value::None => &[],
+        Value::Map(entries) => {
+            params.set_value(values)?;
+            entries.as_slice()
+        }
+        _ => {
+            return Err(ParamError::wrong_type(values, P::KIND)
+                .named("the argument")
+                .into());
+        }
+    };
+    Ok(entries.iter().map(|(name, _)| name.as_str()))
 }
 
-/// Returns the name of a method.
-pub(crate) fn method_name(method: CutMethod) -> &'static str {
-    match method {
-        CutMethod::Exact(_) => "exact",
-        CutMethod::Paper(_) => "paper",
-    }
+/// Returns a material: a name, values by name with or without the name `preset`, or a soft body if
+/// absent.
+pub(crate) fn material(values: &Value) -> Result<Material, WebError> {
+    let (preset, values) = match values {
+        Value::Map(entries) => {
+            let preset = entries.iter().find(|(name, _)| name == "preset");
+            let others = entries.iter().filter(|(name, _)| name != "preset");
+            let values = Value::Map(others.cloned().collect());
+            (
+                preset.map_or(Value::None, |(_, preset)| preset.clone()),
+                values,
+            )
+        }
+        preset => (preset.clone(), Value::None),
+    };
+    let mut material = match &preset {
+        Value::None => Material::soft_body(),
+        preset => Material::preset(&preset.to_string()).ok_or_else(|| {
+            let names = format!("one of {}", Material::PRESETS.join(", "));
+            ParamError::wrong_value(preset, names).named("preset")
+        })?,
+    };
+    let _names = set(&mut material, &values)?;
+    Ok(material)
 }
 
-/// Returns the material of a name, a soft body if absent.
-pub(crate) fn material(name: Option<&str>) -> Result<Material, WebError> {
-    match name {
-        None | Some("soft-body") => Ok(Material::soft_body()),
-        Some("shell") => Ok(Material::shell()),
-        Some("cloth") => Ok(Material::cloth()),
-        Some(name) => Err(unknown(name, "material", "soft-body, shell or cloth")),
+/// Maximum depth of an object of parameters.
+const MAX_DEPTH: usize = 8;
+
+/// Converts a value of JavaScript; properties that are undefined are left out.
+pub(crate) fn value(js: &JsValue) -> Result<Value, WebError> {
+    value_within(js, MAX_DEPTH)
+}
+
+fn value_within(js: &JsValue, depth: usize) -> Result<Value, WebError> {
+    let depth = depth.checked_sub(1).ok_or(WebError::TooDeep)?;
+    if js.is_null() || js.is_undefined() {
+        return Ok(Value::None);
+    }
+    if let Some(flag) = js.as_bool() {
+        return Ok(Value::Flag(flag));
+    }
+    if let Some(number) = js.as_f64() {
+        return Ok(Value::Number(number));
+    }
+    if let Some(text) = js.as_string() {
+        return Ok(Value::Text(text));
+    }
+    if let Ok(Some(values)) = js_sys::try_iter(js) {
+        let values = values.map(|value| value_within(&value.unwrap_or_default(), depth));
+        return Ok(Value::List(values.collect::<Result<_, _>>()?));
+    }
+    let Some(object) = js.dyn_ref::<Object>() else {
+        return Err(WebError::NoParameter);
+    };
+    let mut entries = Vec::new();
+    for entry in Object::entries(object) {
+        let entry = Array::from(&entry);
+        let (name, value) = (entry.get(0), entry.get(1));
+        if !value.is_undefined() {
+            let name = name.as_string().unwrap_or_default();
+            entries.push((name, value_within(&value, depth)?));
+        }
+    }
+    Ok(Value::Map(entries))
+}
+
+/// Converts a value to JavaScript; none becomes null.
+pub(crate) fn to_js(value: &Value) -> JsValue {
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "numbers of JavaScript are doubles"
+    )]
+    match value {
+        Value::None => JsValue::NULL,
+        Value::Flag(flag) => JsValue::from_bool(*flag),
+        Value::Count(count) => JsValue::from_f64(*count as f64),
+        Value::Number(number) => JsValue::from_f64(*number),
+        Value::Text(text) => JsValue::from_str(text),
+        Value::List(values) => values.iter().map(to_js).collect::<Array>().into(),
+        Value::Map(entries) => {
+            let entry = |(name, value): &(String, Value)| {
+                Array::of2(&JsValue::from_str(name), &to_js(value))
+            };
+            let entries: Array = entries.iter().map(entry).collect();
+            Object::from_entries(&entries).map_or(JsValue::NULL, Into::into)
+        }
     }
 }
 
@@ -81,20 +162,6 @@ type Length = (usize, &'static str);
 
 pub(crate) const VECTOR: Length = (3, "3: x, y and z");
 pub(crate) const EDGE: Length = (6, "6: start and end");
-
-/// Returns a count of JavaScript, which may be any number.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a whole number of 20 bits"
-)]
-pub(crate) fn count(name: &'static str, value: f64) -> Result<u32, WebError> {
-    let most = SolverParams::MAX_COUNT;
-    if value.fract() == 0.0 && (1.0..=f64::from(most)).contains(&value) {
-        return Ok(value as u32);
-    }
-    Err(WebError::Count { name, value, most })
-}
 
 /// Returns an index of JavaScript, which may be any number, unless it has a fraction or a sign.
 #[expect(
@@ -204,32 +271,43 @@ mod tests {
     }
 
     #[test]
-    fn names_of_methods_round_trip() {
-        for name in ["exact", "paper"] {
-            assert_eq!(method_name(cut_method(name).unwrap()), name);
-        }
-        assert!(cut_method("Exact").is_err());
-    }
-
-    #[test]
     fn absent_names_are_the_defaults() {
-        assert_eq!(cut_params(None, None).unwrap(), CutParams::default());
-        assert_eq!(material(None).unwrap(), Material::soft_body());
-        let params = cut_params(Some("0.7"), Some("paper")).unwrap();
+        assert_eq!(cut_params(&Value::None).unwrap(), CutParams::default());
+        assert_eq!(material(&Value::None).unwrap(), Material::soft_body());
+        let values = |entries: &[(&str, Value)]| {
+            let entries = entries
+                .iter()
+                .map(|(name, value)| ((*name).to_owned(), value.clone()));
+            Value::Map(entries.collect())
+        };
+        let level = ("level", Value::from("0.7"));
+        let paper = ("method", Value::from("paper"));
+        let params = cut_params(&values(&[level, paper.clone()])).unwrap();
         assert_eq!(params.refine.level.z(), 0.7);
-        assert!(cut_params(Some("-1"), None).is_err());
-    }
-
-    #[test]
-    fn counts_are_whole_numbers_in_range() {
-        assert_eq!(count("substeps", 16.0).unwrap(), 16);
-        for bad in [-1.0, 0.0, 1.5, f64::NAN, f64::INFINITY, 4294967295.0] {
-            let text = count("substeps", bad).unwrap_err().to_string();
-            assert_eq!(
-                text,
-                format!("substeps is {bad}; pass a whole number from 1 to 1048576")
-            );
+        assert_eq!(params.method.name(), "paper");
+        for bad in [
+            &[("level", Value::Number(-1.0))][..],
+            &[("level", Value::from("finest"))],
+            &[("snap", Value::Number(0.2)), paper],
+        ] {
+            assert!(cut_params(&values(bad)).is_err(), "{bad:?}");
         }
+        let cloth = [
+            ("preset", Value::from("cloth")),
+            ("damping", Value::Number(2.0)),
+        ];
+        let expected = Material {
+            damping: 2.0,
+            ..Material::cloth()
+        };
+        assert_eq!(material(&values(&cloth)).unwrap(), expected);
+        assert_eq!(material(&Value::from("cloth")).unwrap(), Material::cloth());
+        let error = material(&Value::from("steel")).unwrap_err().to_string();
+        let names = "soft-body, shell, limp-shell, cloth";
+        assert_eq!(
+            error,
+            format!("preset is 'steel'; it must be one of {names}")
+        );
     }
 
     #[test]

@@ -2,8 +2,8 @@
 
 use incise::cut::CutError;
 use incise::mesh::{NotCuttable, ParseError, UndoError};
+use incise::params::ParamError;
 use incise::pbd::ConstraintError;
-use incise::refine::ParseLevelError;
 use incise::scene::{LoadError, SaveError, SceneError};
 use wasm_bindgen::JsValue;
 
@@ -29,16 +29,12 @@ pub enum WebError {
         /// The expected length.
         expected: &'static str,
     },
-    /// A count is out of range.
-    #[error("{name} is {value}; pass a whole number from 1 to {most}")]
-    Count {
-        /// The property.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// The largest count.
-        most: u32,
-    },
+    /// A value is neither a number, a text, a list nor an object.
+    #[error("a parameter is a symbol or a function; pass a bool, a number, a string or an object")]
+    NoParameter,
+    /// An object of parameters contains itself, or is deep.
+    #[error("an object of parameters is too deep; pass plain values by name")]
+    TooDeep,
     /// An array is too large for the memory of WebAssembly.
     #[error("{array} has {length} numbers, and memory has no room for them; split the mesh")]
     TooLarge {
@@ -98,9 +94,9 @@ pub enum WebError {
     /// The mesh cannot be cut.
     #[error(transparent)]
     NotCuttable(#[from] NotCuttable),
-    /// A refinement level is unknown.
+    /// A parameter is unknown, has another type or is out of range.
     #[error(transparent)]
-    Level(#[from] ParseLevelError),
+    Parameter(#[from] ParamError),
     /// A cut was refused.
     #[error(transparent)]
     Cut(#[from] CutError),

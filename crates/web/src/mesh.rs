@@ -1,7 +1,8 @@
 //! [`Mesh`]: a surface at rest, from arrays or files, cut by planes.
 
 use crate::arguments::{
-    VECTOR, copy_f32, copy_f64, copy_u8, copy_u32, cut_params, finite, model, read, rows, vector,
+    VECTOR, copy_f32, copy_f64, copy_u8, copy_u32, cut_params, finite, model, read, rows, value,
+    vector,
 };
 use crate::error::WebError;
 use crate::flat_arrays::FlatArrays;
@@ -9,8 +10,10 @@ use crate::memory_views::{view_f32, view_u8, view_u32};
 use crate::report::{MeshReport, REPAIR};
 use incise::cut::{Cutter, Sweep};
 use incise::mesh::{MeshData, Surface, Undo, Warning, write_glb_to, write_obj_to};
+use incise::params::Value;
 use incise_models::build_model;
 use js_sys::{Float32Array, Float64Array, Uint8Array, Uint32Array};
+use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
 
 /// A triangle surface of any number of pieces, which planes cut.
@@ -153,8 +156,8 @@ impl Mesh {
 
     /// Cuts along the plane `normal . x = d` \[m\], relative to `origin`, and caps both sides.
     ///
-    /// `level` is `2x-coarser`, `1.5x-coarser`, `original`, `1.5x-finer`, `2x-finer` or a factor
-    /// of the edge length as text. `method` is `exact` or `paper`.
+    /// `params` are parameters of a cut by name, such as `{ level: 0.7, snap: 0.2 }`, or absent.
+    /// `docs/parameters.md` lists them.
     ///
     /// # Errors
     /// Throws if the cut is refused; the mesh is then unchanged.
@@ -163,15 +166,10 @@ impl Mesh {
         &mut self,
         normal: &Float64Array,
         d: f64,
-        level: Option<String>,
-        method: Option<String>,
+        params: &JsValue,
     ) -> Result<CutReport, WebError> {
-        self.cut(
-            &copy_f64("the normal", normal, Some(VECTOR))?,
-            d,
-            level,
-            method,
-        )
+        let normal = copy_f64("the normal", normal, Some(VECTOR))?;
+        self.cut(&normal, d, &value(params)?)
     }
 }
 
@@ -180,14 +178,8 @@ impl Mesh {
     ///
     /// # Errors
     /// [`WebError`] if the cut is refused; the mesh is then unchanged.
-    pub fn cut(
-        &mut self,
-        normal: &[f64],
-        d: f64,
-        level: Option<String>,
-        method: Option<String>,
-    ) -> Result<CutReport, WebError> {
-        let params = cut_params(level.as_deref(), method.as_deref())?;
+    pub fn cut(&mut self, normal: &[f64], d: f64, params: &Value) -> Result<CutReport, WebError> {
+        let params = cut_params(params)?;
         let normal = vector("the normal", normal)?;
         finite("the normal", &normal)?;
         finite("d", &[d])?;

@@ -4,15 +4,17 @@ mod blades;
 mod buffers;
 mod parameters;
 
-use crate::arguments::{VECTOR, copy_f64, copy_u8, finite, index_of, material, vector};
+use crate::arguments::{VECTOR, copy_f64, copy_u8, finite, index_of, material, value, vector};
 use crate::error::WebError;
 use crate::mesh::Mesh;
 use buffers::BodyBuffers;
 use incise::mesh::{Vec3, VertexId};
+use incise::params::Value;
 use incise::prelude::{BodyId, SceneParams};
 use incise::scene::{Scene as Simulation, UndoStack};
 use js_sys::{Float64Array, Uint8Array};
 use std::num::NonZeroUsize;
+use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
 
 /// A simulation of soft bodies and blades, stepped frame by frame. The y axis points up.
@@ -69,6 +71,17 @@ impl Scene {
         self.bodies.resize_with(id.index(), || None);
         self.bodies.push(Some(Body { id, buffers }));
         Ok(index(id.index()))
+    }
+
+    /// Adds a copy of a mesh as a body at rest, see [`Scene::add_body_of_object`].
+    ///
+    /// # Errors
+    /// [`WebError`] if the material is out of range or the mesh cannot be simulated.
+    pub fn add_body(&mut self, mesh: &Mesh, values: &Value) -> Result<u32, WebError> {
+        let material = material(values)?;
+        let surface = mesh.surface().clone();
+        let id = self.simulation.add_body(surface, &material)?;
+        self.insert(id)
     }
 
     /// Makes a scene of the bytes of [`Scene::save`].
@@ -153,20 +166,15 @@ impl Scene {
     /// All coordinates of a scene are relative to the `origin` of its first mesh, to which others
     /// are moved.
     ///
-    /// `material` is `soft-body`, the default, `shell` or `cloth`.
+    /// `material` is the name of a preset, `soft-body` (the default), `shell`, `limp-shell` or
+    /// `cloth`, or an object such as `{ preset: "cloth", damping: 2 }`, whose values replace those
+    /// of the preset. `docs/parameters.md` lists them.
     ///
     /// # Errors
     /// Throws if the mesh cannot be simulated; the scene is then unchanged.
     #[wasm_bindgen(js_name = addBody)]
-    pub fn add_body(
-        &mut self,
-        mesh: &Mesh,
-        material_name: Option<String>,
-    ) -> Result<u32, WebError> {
-        let material = material(material_name.as_deref())?;
-        let surface = mesh.surface().clone();
-        let id = self.simulation.add_body(surface, &material)?;
-        self.insert(id)
+    pub fn add_body_of_object(&mut self, mesh: &Mesh, material: &JsValue) -> Result<u32, WebError> {
+        self.add_body(mesh, &value(material)?)
     }
 
     /// Removes a body; its number is not used again.

@@ -3,15 +3,14 @@
 import module from "./load.mjs";
 import { startBrowser } from "./serve.mjs";
 
-/** Measures a body that stands on a floor and is cut in two; runs in both engines. */
+/** Measures a body that stands on the ground and is cut in two; runs in both engines. */
 async function measure({ Mesh, Scene }) {
   const median = (all) => [...all].sort((a, b) => a - b)[all.length >> 1];
   const result = {};
   for (const name of ["Bunny", "Armadillo"]) {
     const mesh = Mesh.model(name);
     const scene = new Scene();
-    scene.floor = mesh.bounds()[1];
-    scene.setSleep(false);
+    scene.set({ ground: mesh.bounds()[1], sleep: false });
     const body = scene.addBody(mesh);
     const before = new Float32Array([-2, 0.02, -2, -2, 0, 2]);
     const after = new Float32Array([2, 0.02, -2, 2, 0, 2]);

@@ -66,8 +66,8 @@ test("hostile cuts and ids are exceptions", () => {
   refuses(() => mesh.cut(new Float64Array([0, 1, 0])), /d is not finite.*NaN/);
   refuses(() => mesh.cut(new Float64Array([0, 1, 0]), Infinity), /d is not finite/);
   refuses(() => mesh.cut(new Float64Array(2), 0), /pass 3/);
-  refuses(() => mesh.cut(new Float64Array([0, 1, 0]), 0, "finest"), /not a refinement level/);
-  refuses(() => mesh.cut(new Float64Array([0, 1, 0]), 0, 0.5), /expected a string/);
+  refuses(() => mesh.cut(new Float64Array([0, 1, 0]), 0, { level: "finest" }), /level is 'finest'/);
+  refuses(() => mesh.cut(new Float64Array([0, 1, 0]), 0, 0.5), /must be values by name/);
   refuses(() => Mesh.model(5), /expected a string/);
   refuses(() => mesh.piece(5), /no piece 5/);
   refuses(() => mesh.undo(), /no cut to undo/);
@@ -94,9 +94,9 @@ test("hostile cuts and ids are exceptions", () => {
   refuses(() => scene.addBlade([0, 0, 0, 1, 0, 0]), /not a Float32Array/);
   refuses(() => scene.addBlade(undefined), /./);
   for (const bad of [NaN, Infinity]) {
-    refuses(() => (scene.dt = bad), /invalid frame: the time step dt is/);
-    refuses(() => (scene.floor = bad), /ground is not finite/);
-    refuses(() => scene.setGravity(0, bad, 0), /gravity is not finite/);
+    refuses(() => scene.set({ dt: bad }), /dt is .*; it must be a finite number above 0/);
+    refuses(() => scene.set({ ground: bad }), /ground is .*; it must be a finite number/);
+    refuses(() => scene.set({ gravity: [0, bad, 0] }), /gravity is/);
     const edge = new Float32Array([0, 0, 0, 0, bad, 0]);
     refuses(() => scene.addBlade(edge), /edge of the blade has the coordinate/);
     const [here, there] = [new Float64Array(3), new Float64Array([0, bad, 0])];
@@ -107,10 +107,15 @@ test("hostile cuts and ids are exceptions", () => {
   refuses(() => scene.moveBlade(blade, new Float32Array(6).fill(NaN)), /coordinate NaN/);
   refuses(() => scene.teleportBlade(blade, new Float32Array(6).fill(NaN)), /coordinate NaN/);
   for (const bad of [-1, 0, 1.5, NaN, 2 ** 32]) {
-    refuses(() => (scene.substeps = bad), /substeps is .*; pass a whole number from 1 to 1048576/);
-    refuses(() => (scene.iterations = bad), /iterations is/);
+    refuses(() => scene.set({ substeps: bad }), /substeps is .*; it must be/);
+    refuses(() => scene.set({ iterations: bad }), /iterations is/);
   }
-  assert.equal(scene.substeps, 16);
+  assert.equal(scene.get("substeps"), 16);
+  assert.equal(scene.params.solver.substeps, 16);
+  refuses(() => scene.set({ floor: 0 }), /no parameter 'floor'; the names are dt/);
+  scene.set({ gravity: new Float32Array([0, -1, 0]), contacts: { self_collision: true } });
+  assert.deepEqual(scene.get("gravity"), [0, -1, 0]);
+  assert.equal(scene.get("contacts.self_collision"), true);
   scene.step();
   mesh.free();
   refuses(() => mesh.triangleCount, /moved value/);

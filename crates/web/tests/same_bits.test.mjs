@@ -30,15 +30,15 @@ function hash(meshes) {
 }
 
 function cut(mesh, method, level, [x, y, z, d]) {
-  mesh.cut(new Float64Array([x, y, z]), d, level, method).free();
+  mesh.cut(new Float64Array([x, y, z]), d, { level, method }).free();
   const pieces = Array.from(mesh.pieceNumbers(), (number) => mesh.piece(number));
   return `${pieces.length} ${hash(pieces)}`;
 }
 
-/** Lets a body fall on a floor, and cuts it in frames 10 and 11. */
+/** Lets a body fall on the ground, and cuts it in frames 10 and 11. */
 function fall(mesh, [x, y, z, d]) {
   const scene = new Scene();
-  scene.floor = d;
+  scene.set({ ground: d });
   const body = scene.addBody(mesh);
   const edge = (x) => new Float32Array([x, y, -z, x, y, z]);
   const blade = scene.addBlade(edge(-x));

@@ -8,12 +8,19 @@ use std::process::Command;
 /// have [`FIXTURES`] as dev-dependencies.
 ///
 /// A new package needs a line here.
-const ALLOWED: [(&str, &[&str]); 19] = [
+const ALLOWED: [(&str, &[&str]); 20] = [
+    ("incise-params", &[]),
     ("incise-mesh", &[]),
     ("incise-sparse", &[]),
-    ("incise-refine", &["incise-mesh"]),
-    ("incise-cut", &["incise-mesh", "incise-refine"]),
-    ("incise-pbd-gpu", &["incise-mesh", "incise-sparse"]),
+    ("incise-refine", &["incise-mesh", "incise-params"]),
+    (
+        "incise-cut",
+        &["incise-mesh", "incise-params", "incise-refine"],
+    ),
+    (
+        "incise-pbd-gpu",
+        &["incise-mesh", "incise-params", "incise-sparse"],
+    ),
     (
         "incise-reference",
         &[
@@ -26,7 +33,12 @@ const ALLOWED: [(&str, &[&str]); 19] = [
     ("incise-render", &["incise-mesh"]),
     (
         "incise-scene",
-        &["incise-mesh", "incise-cut", "incise-pbd-gpu"],
+        &[
+            "incise-mesh",
+            "incise-params",
+            "incise-cut",
+            "incise-pbd-gpu",
+        ],
     ),
     // The scenes are an optional feature of the models.
     (
@@ -45,6 +57,7 @@ const ALLOWED: [(&str, &[&str]); 19] = [
         &[
             "incise-mesh",
             "incise-models",
+            "incise-params",
             "incise-refine",
             "incise-cut",
             "incise-pbd-gpu",
@@ -58,6 +71,7 @@ const ALLOWED: [(&str, &[&str]); 19] = [
         &[
             "incise-mesh",
             "incise-models",
+            "incise-params",
             "incise-refine",
             "incise-cut",
             "incise-pbd-gpu",
@@ -75,6 +89,7 @@ const ALLOWED: [(&str, &[&str]); 19] = [
         &[
             "incise-mesh",
             "incise-models",
+            "incise-params",
             "incise-refine",
             "incise-cut",
             "incise-pbd-gpu",
@@ -110,6 +125,7 @@ const FIXTURES: [&str; 2] = [MODELS, TEST_SUPPORT];
 const LIBRARIES: &[&str] = &[
     "incise-mesh",
     "incise-models",
+    "incise-params",
     "incise-refine",
     "incise-cut",
     "incise-pbd-gpu",

@@ -12,6 +12,7 @@ mod exact_series;
 mod exact_special;
 mod exact_transforms;
 mod examples;
+mod generated;
 mod incision_momentum;
 mod incision_paths;
 mod incision_undo;

@@ -1,9 +1,9 @@
 //! The report of `incise cut` as text.
 
 use super::Report;
-use crate::caps::CapsOption;
 use crate::numbers::counted;
 use crate::pieces;
+use incise_cut::Caps;
 use std::io::{self, Write};
 
 /// Prints the report.
@@ -15,7 +15,7 @@ pub(super) fn print(report: &Report, is_exact: bool, out: &mut impl Write) -> io
         counted(report.triangles, "triangle"),
         report.volume
     )?;
-    if report.boundary_edges > 0 && report.caps == CapsOption::Bodies.name() {
+    if report.boundary_edges > 0 && report.caps == Caps::Bodies.name() {
         writeln!(
             out,
             "  {}: parts with a boundary are cut as sheets, without caps; --caps all-loops adds \

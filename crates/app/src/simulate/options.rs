@@ -1,14 +1,13 @@
 //! [`SceneOptions`]: the options that describe a scene, in place of a scene file.
 
-use super::scene_file::Height;
-use super::scene_file::{
-    BladeFile, BodyFile, InteriorSpringsFile, MaterialFile, PlaneCut, Preset, SceneFile, VolumeFile,
-};
-use crate::caps::CapsOption;
+use super::scene_file::{BladeFile, BodyFile, Height, MaterialFile, PlaneCut, SceneFile};
 use crate::failure::Failure;
 use crate::input::InputOptions;
-use crate::numbers::{Numbers, count, not_negative, numbers, positive, share};
-use std::num::NonZeroU32;
+use crate::numbers::{Numbers, not_negative, numbers, positive, share};
+use crate::param_options::{OptionSet, ParamOptions};
+use clap::Arg;
+use incise_params::Value;
+use incise_scene::SceneParams;
 use std::path::PathBuf;
 use toml::Spanned;
 
@@ -34,12 +33,6 @@ pub(super) struct SceneOptions {
     /// Time step of a frame, as a number or a fraction [s]. [default: 1/60]
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     dt: Option<f64>,
-    /// Solver iterations per substep. [default: 1]
-    #[arg(long, value_name = "N", value_parser = count, allow_hyphen_values = true)]
-    iterations: Option<NonZeroU32>,
-    /// Substeps per frame. [default: 16]
-    #[arg(long, value_name = "N", value_parser = count, allow_hyphen_values = true)]
-    substeps: Option<NonZeroU32>,
     /// Height of the ground plane [m]; the meshes must begin above it.
     #[arg(long, value_name = "H", value_parser = numbers::<1>, allow_hyphen_values = true)]
     ground: Option<Numbers<1>>,
@@ -67,9 +60,6 @@ pub(super) struct SceneOptions {
     /// last pose. The walls of the cut collide with each other, except with --no-contacts.
     #[arg(long, value_name = "FILE", group = "cutter")]
     path: Option<PathBuf>,
-    /// Curves along which caps close the cut. [default: bodies]
-    #[arg(long, value_enum, value_name = "CURVES", requires = "cutter")]
-    caps: Option<CapsOption>,
     /// Time of the cut, or of the first pose [s]; 0 by default.
     ///
     /// Given once it is the time of all planes, else each plane has its own, in their order.
@@ -81,29 +71,46 @@ pub(super) struct SceneOptions {
         requires = "cutter"
     )]
     at: Vec<f64>,
+    #[command(flatten)]
+    params: ParamOptions<SceneOptionSet>,
+}
+
+/// The parameters of a scene, except for those that are options of their own.
+#[derive(Debug)]
+struct SceneOptionSet;
+
+impl OptionSet for SceneOptionSet {
+    type Params = SceneParams;
+
+    fn option(path: &str, option: Arg) -> Option<Arg> {
+        match path {
+            "dt" | "solver.ground" => None,
+            "contacts" => Some(option.conflicts_with("no_contacts")),
+            path if path.starts_with("cut.") => Some(option.requires("cutter")),
+            _ => Some(option),
+        }
+    }
 }
 
 impl SceneOptions {
     /// Returns the first option of the command line that a scene file replaces.
-    pub(super) fn first_given(&self) -> Option<&'static str> {
-        [
+    pub(super) fn first_given(&self) -> Option<String> {
+        let own = [
             ("--no-repair", !self.reading.repair()),
             ("--offset", !self.offset.is_empty()),
             ("--seconds", self.seconds.is_some()),
             ("--dt", self.dt.is_some()),
-            ("--iterations", self.iterations.is_some()),
-            ("--substeps", self.substeps.is_some()),
             ("--ground", self.ground.is_some()),
             ("--volume", self.volume),
             ("--interior-springs", self.interior_springs.is_some()),
             ("--no-contacts", self.no_contacts),
             ("--plane", !self.plane.is_empty()),
             ("--path", self.path.is_some()),
-            ("--caps", self.caps.is_some()),
             ("--at", !self.at.is_empty()),
-        ]
-        .into_iter()
-        .find_map(|(name, is_given)| is_given.then_some(name))
+        ];
+        let own = own.into_iter().find(|(_, is_given)| *is_given);
+        let own = own.map(|(name, _)| name.to_owned());
+        own.or_else(|| self.params.first_option())
     }
 
     /// Returns the scene of the inputs and options.
@@ -117,12 +124,13 @@ impl SceneOptions {
         }
         let mut file = SceneFile::new(seconds);
         file.dt = self.dt.unwrap_or(file.dt);
-        file.iterations = self.iterations.unwrap_or(file.iterations);
-        file.substeps = self.substeps.unwrap_or(file.substeps);
         file.ground = self.ground.map(|Numbers([height])| Height(height));
-        file.caps = self.caps.unwrap_or_default();
         file.repair = self.reading.repair();
-        file.contacts.enabled = !self.no_contacts;
+        file.params = self.params.given().iter().cloned().collect();
+        if self.no_contacts {
+            file.params
+                .insert("contacts".to_owned(), Value::Flag(false));
+        }
         let material = unplaced(self.material());
         file.materials.insert(MATERIAL.to_owned(), material);
         let offsets = self.offset.iter().copied();
@@ -163,15 +171,15 @@ impl SceneOptions {
     }
 
     fn material(&self) -> MaterialFile {
-        let springs = |density| InteriorSpringsFile {
-            density,
-            ..InteriorSpringsFile::default()
-        };
+        let volume = self.volume.then_some(("volume", Value::Flag(true)));
+        let density = self.interior_springs.map(f64::from).map(Value::Number);
+        let springs = density.map(|density| ("interior_springs.density", density));
+        let values = volume.into_iter().chain(springs);
         MaterialFile {
-            preset: Preset::LimpShell,
-            volume: self.volume.then(VolumeFile::default),
-            interior_springs: self.interior_springs.map(springs),
-            ..MaterialFile::default()
+            preset: Some("limp-shell".to_owned()),
+            values: values
+                .map(|(name, value)| (name.to_owned(), value))
+                .collect(),
         }
     }
 }

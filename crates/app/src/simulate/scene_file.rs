@@ -6,26 +6,27 @@ mod material;
 mod read;
 
 pub(super) use colliders::ColliderFile;
-pub(super) use material::{InteriorSpringsFile, MaterialFile, Preset, VolumeFile};
+pub(super) use material::MaterialFile;
 pub(crate) use read::SceneFileError;
 
 use super::Backend;
 use super::output::SimulateOutput;
-use crate::caps::CapsOption;
 use crate::failure::Failure;
 use crate::numbers::{Numbers, finite_number, positive_number};
+use incise_mesh::geometry::round_to_f32;
+use incise_params::{Parameter, Params, Value};
 use incise_pbd_gpu::Material;
+use incise_scene::{ContactParams, SceneParams};
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use std::num::NonZeroU32;
 use std::path::PathBuf;
 use toml::Spanned;
 
-/// A simulation: bodies, materials, ground, colliders, cuts, blades, contacts and output.
+/// A simulation: bodies, materials, ground, colliders, cuts, blades and output.
 ///
-/// Coordinates are those of the first body's file \[m\]; the y axis points up.
+/// All other keys are parameters of the scene. Coordinates are those of the first body's file
+/// \[m\]; the y axis points up.
 #[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub(super) struct SceneFile {
     /// Simulated time \[s\].
     #[serde(deserialize_with = "positive_number")]
@@ -33,21 +34,9 @@ pub(super) struct SceneFile {
     /// Time step of a frame \[s\].
     #[serde(default = "defaults::dt", deserialize_with = "positive_number")]
     pub(super) dt: f64,
-    /// Solver iterations per substep.
-    #[serde(default = "defaults::iterations")]
-    pub(super) iterations: NonZeroU32,
-    /// Substeps per frame.
-    #[serde(default = "defaults::substeps")]
-    pub(super) substeps: NonZeroU32,
-    /// Gravitational acceleration [m/s^2].
-    #[serde(default = "defaults::gravity")]
-    pub(super) gravity: Numbers<3>,
     /// Height of the ground plane \[m\].
     #[serde(default)]
     pub(super) ground: Option<Height>,
-    /// Curves along which caps close cuts.
-    #[serde(default)]
-    pub(super) caps: CapsOption,
     /// Whether meshes with edges of more than two triangles are separated there.
     #[serde(default = "defaults::yes")]
     pub(super) repair: bool,
@@ -57,7 +46,7 @@ pub(super) struct SceneFile {
     /// A part of the GPU's name.
     #[serde(default)]
     pub(super) adapter: Option<String>,
-    /// Materials by name.
+    /// Materials by name: values that replace those of a preset.
     #[serde(default)]
     pub(super) materials: BTreeMap<String, Spanned<MaterialFile>>,
     /// Bodies, in the order of the written pieces.
@@ -72,12 +61,12 @@ pub(super) struct SceneFile {
     /// Straight blades that move.
     #[serde(default)]
     pub(super) blades: Vec<Spanned<BladeFile>>,
-    /// Contacts between bodies and pieces.
-    #[serde(default)]
-    pub(super) contacts: ContactsFile,
     /// Files to write.
     #[serde(default)]
     pub(super) output: SimulateOutput,
+    /// Other parameters of the scene, by name.
+    #[serde(flatten)]
+    pub(super) params: BTreeMap<String, Value>,
     /// The file and its text; none for a scene made of options.
     #[serde(skip)]
     source: Option<Source>,
@@ -145,19 +134,6 @@ pub(super) struct TimedPose {
     pub(super) edge: [Numbers<3>; 2],
 }
 
-/// Contacts between bodies and pieces.
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct ContactsFile {
-    /// Whether there are contacts.
-    pub(super) enabled: bool,
-    /// Minimum distance between surfaces [edge lengths].
-    pub(super) thickness: f32,
-    /// Whether the triangles of one piece collide; by default with blades only, for the walls of
-    /// cuts that end inside.
-    pub(super) self_collision: Option<bool>,
-}
-
 impl SceneFile {
     /// Checks that the frames can be counted.
     pub(super) fn check_frames(&self) -> Result<(), Failure> {
@@ -184,23 +160,52 @@ impl SceneFile {
         (time / self.dt).round() as u32
     }
 
+    /// Returns the parameters of the scene relative to an origin.
+    ///
+    /// Pieces touch each other, and both walls of a cut that ends inside, by default.
+    pub(super) fn scene_params(&self, origin: [f64; 3]) -> Result<SceneParams, Failure> {
+        let mut params = SceneParams {
+            dt: round_to_f32(self.dt),
+            contacts: Some(ContactParams {
+                self_collision: !self.blades.is_empty(),
+                ..ContactParams::default()
+            }),
+            ..SceneParams::default()
+        };
+        let entries = self.params.iter();
+        let entries = entries.map(|(name, value)| (name.clone(), value.clone()));
+        let set = params.set_value(&Value::Map(entries.collect()));
+        let set = set.and_then(|()| Ok(params.check_ranges()?));
+        let set = set.and_then(|()| params.check_given(self.params.keys().map(String::as_str)));
+        set.map_err(|source| self.refuse_parameter(source))?;
+        params.solver.ground = self.ground(params.solver.ground, origin);
+        Ok(params)
+    }
+
+    /// Returns the height of the ground relative to an origin \[m\].
+    ///
+    /// `solver` is the height as a parameter of the solver.
+    fn ground(&self, solver: Option<f32>, origin: [f64; 3]) -> Option<f32> {
+        let height = self.ground.map(|Height(height)| height);
+        let height = height.or(solver.map(f64::from));
+        height.map(|height| round_to_f32(height - origin[1]))
+    }
+
     /// Returns the material of a body.
     pub(super) fn material(&self, body: &BodyFile) -> Result<Material, Failure> {
         let Some(name) = &body.material else {
-            return Ok(Preset::default().material());
+            return Ok(Material::soft_body());
         };
         if let Some(own) = self.materials.get(name.get_ref()) {
             let material = own.get_ref().material();
-            // The scene checks the material of options.
-            return match (self.line(own), material.check()) {
-                (Some(line), Err(source)) => {
-                    Err(self.refuse(SceneFileError::Material { line, source }))
-                }
-                _ => Ok(material),
-            };
+            return material.map_err(|source| {
+                let line = self.line(own).unwrap_or_default();
+                let key = ["materials", name.get_ref(), &source.name()].join(".");
+                let line = self.line_of_key(&key).unwrap_or(line);
+                self.refuse(SceneFileError::Parameter { line, source })
+            });
         }
-        let preset = Preset::from_name(name.get_ref());
-        preset.map(Preset::material).ok_or_else(|| {
+        Material::preset(name.get_ref()).ok_or_else(|| {
             self.refuse(SceneFileError::UnknownMaterial {
                 line: self.line(name).unwrap_or_default(),
                 name: name.get_ref().clone(),

@@ -114,7 +114,7 @@ fn a_faired_cap_is_rounder_and_either_format_is_written() {
 }
 
 #[test]
-fn holes_above_max_edges_stay_open() {
+fn holes_above_max_rim_edges_stay_open() {
     let (folder, _) = open_sphere();
     let report = json(
         &folder,
@@ -123,7 +123,7 @@ fn holes_above_max_edges_stay_open() {
             "open.obj",
             "-o",
             "out.obj",
-            "--max-edges",
+            "--max-rim-edges",
             "3",
             "--json",
         ],

@@ -179,7 +179,7 @@ fn errors_name_the_line_and_write_nothing() {
         ),
         (
             format!("seconds = 1\ngravity = [0, 1]\n{body}"),
-            "line 2: 2 numbers, expected 3",
+            "line 2: gravity is '0,1'; it must be 3 numbers",
         ),
         (
             format!("seconds = 1\nground = nan\n{body}"),
@@ -192,7 +192,27 @@ fn errors_name_the_line_and_write_nothing() {
         ),
         (
             format!("seconds = 1\n[materials.own]\nfriction = -1\n{body}material = \"own\"\n"),
-            "line 2: ",
+            "line 3: friction is -1; it must be a finite number of at least 0",
+        ),
+        (
+            format!("seconds = 1\n[materials.own]\nsprings = 1\n{body}material = \"own\"\n"),
+            "line 3: there is no parameter 'springs'; the names are density, stretch",
+        ),
+        (
+            format!("seconds = 1\nsubsteps = 0\n{body}"),
+            "line 2: solver.substeps is 0; it must be from 1 to 1048576",
+        ),
+        (
+            format!("seconds = 1\n{body}[contacts]\nthickness = 200\n"),
+            "line 5: contacts.thickness is 200; it must be above 0 and at most 100",
+        ),
+        (
+            format!("seconds = 1\nsubstep = 4\n{body}"),
+            "line 2: there is no parameter 'substep'; the names are dt, solver.iterations",
+        ),
+        (
+            format!("seconds = 1\nmethod = \"paper\"\nsnap = 0.2\n{body}"),
+            "line 3: snap has no meaning with 'paper'",
         ),
         (
             format!(

@@ -90,7 +90,8 @@ fn cut_mesh(
     let Some(out) = out else {
         return Err(Error::null("out"));
     };
-    let params = params.map(CutParams::check).transpose()?;
+    let base = cut::CutParams::default();
+    let params = params.map(|params| params.check(base)).transpose()?;
     let result = with(mesh, |mesh: &mut MeshObject| {
         cut(&mesh.surface, &params.unwrap_or_default())
     })?;

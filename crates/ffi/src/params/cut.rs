@@ -77,14 +77,15 @@ impl From<&cut::CutParams> for CutParams {
 }
 
 impl CutParams {
-    /// Returns the parameters of the library.
-    pub(crate) fn check(&self) -> Result<cut::CutParams, Error> {
+    /// Returns the parameters of the library; those that the struct does not have are of `base`.
+    pub(crate) fn check(&self, base: cut::CutParams) -> Result<cut::CutParams, Error> {
         let Self { snap, remesh, .. } = *self;
         let params = cut::CutParams {
-            method: match self.method {
-                INCISE_METHOD_EXACT => CutMethod::Exact(ExactParams { snap, remesh }),
-                INCISE_METHOD_PAPER => CutMethod::Paper(PaperParams::default()),
-                method => return Err(Error::constant("method", method)),
+            method: match (self.method, base.method) {
+                (INCISE_METHOD_EXACT, _) => CutMethod::Exact(ExactParams { snap, remesh }),
+                (INCISE_METHOD_PAPER, CutMethod::Paper(paper)) => CutMethod::Paper(paper),
+                (INCISE_METHOD_PAPER, _) => CutMethod::Paper(PaperParams::default()),
+                (method, _) => return Err(Error::constant("method", method)),
             },
             refine: RefineParams {
                 method: match self.refine_method {
@@ -94,7 +95,7 @@ impl CutParams {
                 },
                 level: level(self.level)?,
                 grading: self.grading,
-                ..RefineParams::default()
+                ..base.refine
             },
             caps: match self.caps {
                 INCISE_CAPS_BODIES => Caps::Bodies,
@@ -104,7 +105,7 @@ impl CutParams {
             },
             cap_material: self.cap_material,
             cap_uv_scale: self.cap_uv_scale,
-            only_piece: None,
+            ..base
         };
         params.check().map_err(Error::argument)?;
         Ok(params)
@@ -164,7 +165,7 @@ mod tests {
     #[test]
     fn defaults_are_those_of_the_libraries() {
         let cut = cut::CutParams::default();
-        assert_eq!(CutParams::from(&cut).check(), Ok(cut));
+        assert_eq!(CutParams::from(&cut).check(cut), Ok(cut));
         let z = RefinementLevel::Finer1_5.z();
         assert_eq!(level(z), Ok(RefinementLevel::Finer1_5), "bits of 1/1.5");
         let fill = FillParams::from(&HoleParams::default()).check();
@@ -176,7 +177,8 @@ mod tests {
 
     #[test]
     fn constants_and_levels_are_checked() {
-        let valid = CutParams::from(&cut::CutParams::default());
+        let base = cut::CutParams::default();
+        let valid = CutParams::from(&base);
         for (name, params) in [
             ("method", CutParams { method: 7, ..valid }),
             (
@@ -188,10 +190,10 @@ mod tests {
             ),
             ("caps", CutParams { caps: 7, ..valid }),
         ] {
-            assert_eq!(params.check(), Err(Error::constant(name, 7)));
+            assert_eq!(params.check(base), Err(Error::constant(name, 7)));
         }
         for z in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            assert!(CutParams { level: z, ..valid }.check().is_err(), "{z}");
+            assert!(CutParams { level: z, ..valid }.check(base).is_err(), "{z}");
         }
         let (snap, remesh, grading) = (0.5, 0.5, -0.1);
         for params in [
@@ -203,7 +205,7 @@ mod tests {
                 ..valid
             },
         ] {
-            let status = params.check().map_err(|error| error.status);
+            let status = params.check(base).map_err(|error| error.status);
             assert_eq!(status, Err(Status::InvalidArgument), "{params:?}");
         }
     }

@@ -3,7 +3,7 @@
 use super::CutParams;
 use crate::status::Error;
 use incise::pbd::{self, Density, InteriorSprings, Stiffness, Volume};
-use incise::scene::{self, BackendChoice, BladeMode, ContactParams, SleepParams};
+use incise::scene::{self, BackendChoice, BladeMode, ContactParams};
 use std::num::NonZeroUsize;
 
 /// Steps all bodies on the CPU.
@@ -76,13 +76,13 @@ impl From<&scene::SceneParams> for SceneParams {
 }
 
 impl SceneParams {
-    /// Returns the parameters of the library.
-    pub(crate) fn check(&self) -> Result<scene::SceneParams, Error> {
-        let defaults = scene::SceneParams::default();
+    /// Returns the parameters of the library; those that the struct does not have are of `base`.
+    pub(crate) fn check(&self, base: scene::SceneParams) -> Result<scene::SceneParams, Error> {
         let contacts = ContactParams {
             thickness: self.contact_thickness,
             self_collision: flag(self.self_collision, "self_collision")?,
         };
+        let sleep = base.sleep.unwrap_or_default();
         let params = scene::SceneParams {
             dt: self.dt,
             solver: pbd::SolverParams {
@@ -91,12 +91,12 @@ impl SceneParams {
                 substeps: self.substeps,
                 iterations: self.iterations,
                 threads: NonZeroUsize::new(self.threads as usize),
-                ..defaults.solver
+                ..base.solver
             },
-            cut: self.cut.check()?,
+            cut: self.cut.check(base.cut)?,
             contacts: flag(self.contacts, "contacts")?.then_some(contacts),
-            sleep: flag(self.sleep, "sleep")?.then(SleepParams::default),
-            ..defaults
+            sleep: flag(self.sleep, "sleep")?.then_some(sleep),
+            ..base
         };
         params.check()?;
         Ok(params)
@@ -339,12 +339,13 @@ mod tests {
     #[test]
     fn defaults_are_those_of_the_libraries() {
         let params = scene::SceneParams::default();
-        assert_eq!(SceneParams::from(&params).check(), Ok(params));
+        assert_eq!(SceneParams::from(&params).check(params), Ok(params));
         let with_contacts = scene::SceneParams {
             contacts: Some(ContactParams::default()),
             ..params
         };
-        assert_eq!(SceneParams::from(&with_contacts).check(), Ok(with_contacts));
+        let converted = SceneParams::from(&with_contacts).check(params);
+        assert_eq!(converted, Ok(with_contacts));
         for (preset, material) in [
             (INCISE_MATERIAL_SOFT_BODY, pbd::Material::soft_body()),
             (INCISE_MATERIAL_SHELL, pbd::Material::shell()),
@@ -357,8 +358,9 @@ mod tests {
 
     #[test]
     fn constants_and_flags_are_checked() {
-        let params = SceneParams::from(&scene::SceneParams::default());
-        let status = SceneParams { sleep: 2, ..params }.check();
+        let base = scene::SceneParams::default();
+        let params = SceneParams::from(&base);
+        let status = SceneParams { sleep: 2, ..params }.check(base);
         assert_eq!(status, Err(Error::argument("sleep is 2; pass 0 or 1")));
         let material = Material::preset(INCISE_MATERIAL_CLOTH).expect("a constant");
         let unstretched = Material {

@@ -232,6 +232,24 @@ namespace Incise
         [DllImport(Dll)] internal static extern Status incise_scene_free(IntPtr scene);
         [DllImport(Dll)] internal static extern Status incise_scene_set_params(
             SceneHandle scene, ref SceneParams parameters);
+        [DllImport(Dll)] internal static extern Status incise_scene_set(
+            SceneHandle scene, byte[] name, byte[] value);
+        [DllImport(Dll)] internal static extern Status incise_scene_set_number(
+            SceneHandle scene, byte[] name, double value);
+        [DllImport(Dll)] internal static extern Status incise_scene_get(
+            SceneHandle scene, byte[] name, [Out] byte[] text, UIntPtr capacity,
+            out UIntPtr length);
+        [DllImport(Dll)] internal static extern Status incise_scene_get_number(
+            SceneHandle scene, byte[] name, out double value);
+        [DllImport(Dll)] internal static extern Status incise_body_set(
+            SceneHandle scene, uint body, byte[] name, byte[] value);
+        [DllImport(Dll)] internal static extern Status incise_body_set_number(
+            SceneHandle scene, uint body, byte[] name, double value);
+        [DllImport(Dll)] internal static extern Status incise_body_get(
+            SceneHandle scene, uint body, byte[] name, [Out] byte[] text, UIntPtr capacity,
+            out UIntPtr length);
+        [DllImport(Dll)] internal static extern Status incise_body_get_number(
+            SceneHandle scene, uint body, byte[] name, out double value);
         [DllImport(Dll)] internal static extern Status incise_scene_save(
             SceneHandle scene, [Out] byte[] bytes, UIntPtr capacity, out UIntPtr length);
         [DllImport(Dll)] internal static extern Status incise_scene_load(

@@ -2,174 +2,127 @@
 
 use crate::error::StepError;
 use crate::step::second_order::SUBSTEP_RATIO;
+use incise_params::{Params, Range};
 use std::num::NonZeroUsize;
 
-/// Parameters of a frame. The y axis points up.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct SolverParams {
-    /// Projections of every constraint per substep, usually 1 to 20.
+incise_params::params! {
+    /// Parameters of a frame. The y axis points up.
     ///
-    /// Contacts and volumes have up to eight projections each where heavy pieces press thin ones,
-    /// see [`Press`](crate::Press).
-    pub iterations: u32,
-    /// Minimum substeps per frame, usually 1 to 20. They stiffen a body more than as many
-    /// iterations.
-    ///
-    /// With a ground a body takes more if it would fall by more than 1/50 of its mean edge per
-    /// iteration of a substep, as in a body of 1 cm. The ground would flatten it otherwise. So does
-    /// a body with [`Material::volume`](crate::Material::volume) that would fall by more than 1/500
-    /// of the thickness `2 V / A` of a piece.
-    pub substeps: u32,
-    /// Gravitational acceleration [m/s^2].
-    pub gravity: [f32; 3],
-    /// Height of the ground plane \[m\].
-    pub ground: Option<f32>,
-    /// Displacement per iteration and axis below which a substep ends its iterations early \[m\].
-    ///
-    /// `None` runs all iterations without the test. Near rest the displacements shrink with every
-    /// iteration, so a skipped iteration changes a vertex by less than the residual. The GPU
-    /// backend always runs all iterations.
-    pub residual: Option<f32>,
-    /// Over-relaxation of the XPBD diagonal of compliant constraints, 1/2 to 1; 1 is XPBD.
-    ///
-    /// A projection divides by the greater of `w` and `compliance / h^2 + diagonal_scale w`, where
-    /// `w = sum of |grad C|^2 / m`. With 1/2 the error of a single Gauss-Seidel iteration is of
-    /// second order in the substep; with 1 bodies are softer and damped. Rigid constraints and PBD
-    /// stiffness are unaffected, and more iterations converge to the same result.
-    pub diagonal_scale: f32,
-    /// Enables [long range attachments](crate::LongRangeAttachment) of inextensible, pinned bodies.
-    ///
-    /// They cost one pass per iteration for such bodies.
-    pub attachments: bool,
-    /// Solution of the constraints of a substep.
-    pub scheme: Scheme,
-    /// Time integration of a substep.
-    pub integrator: Integrator,
-    /// Maximum number of threads of a step on the CPU; `None` for all of the current rayon pool.
-    ///
-    /// The results do not depend on it. One thread is the calling thread: no pool is touched.
-    /// Threads share the passes of large bodies, and small bodies of an island that has many; other
-    /// small bodies take one. With more threads the global step has one beside the pool that
-    /// factors its matrix after an edit.
-    pub threads: Option<NonZeroUsize>,
-}
-
-/// Solution of the constraints of a substep.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(into = "SavedScheme", try_from = "SavedScheme")
-)]
-#[non_exhaustive]
-pub enum Scheme {
-    /// Projections, color by color. They cost least and carry a load by one edge per iteration.
-    #[default]
-    Sweeps,
-    /// Iterations of a global quasi-Newton step, which carry a load through the whole body.
-    ///
-    /// An iteration takes about as long as ten of sweeps. Use it for large and stiff bodies, with
-    /// one or two substeps of four to eight iterations. A body with a rigid or a PBD stiffness has
-    /// no energy to minimize and takes sweeps, and so does a volume with a compressibility or a
-    /// pressure other than 1. The GPU backend does not support it. Results
-    /// depend on the instruction set of the CPU, not on the number of threads. A body of more than
-    /// 4,096 vertices makes a quarter of the iterations in the frame of an edit, which prepares a
-    /// matrix of the changed region.
-    ///
-    /// A body that may touch another piece, the ground or a collider takes first-order sweeps in
-    /// that frame, with all bodies of its island. Each iteration becomes four substeps. After
-    /// sweeps a body settles for up to three seconds, with implicit Euler, until its elastic energy
-    /// is small. A settling substep limits the kinetic energy relative to rigid pieces to that of
-    /// its start, or that of 0.2 body diagonals per second. A body whose line search fails takes
-    /// sweeps for up to a quarter of a second first.
-    #[cfg(feature = "global")]
-    Global,
-    /// The global step for large bodies that are stiff in stretch and bending, sweeps for others.
-    ///
-    /// A body takes the global step if its largest piece has 128 vertices or more, and waves of
-    /// stretch and bending travel 24 edges per frame or more. Once chosen, it is kept down to 0.8
-    /// of this limit. With the stretch compliance `c`, the mean mass `m` of a vertex and the frame
-    /// `dt` this is `dt / sqrt(c m)`. With the bending compliance it is divided by the mean rest
-    /// length. The sizes are measured at creation and after edits, so the choice is the same on
-    /// every machine. Substeps of one iteration take sweeps, and so do bodies in contact, as with
-    /// [`Scheme::Global`]. With one or two substeps of two to four iterations such bodies are on or
-    /// near the work-precision Pareto front of `incise-bench accuracy`. The GPU backend does not
-    /// support it. Without the feature `global` all bodies take sweeps.
-    Auto,
-}
-
-/// A [`Scheme`] in a file, whose variants do not depend on features.
-#[cfg(feature = "serde")]
-#[derive(Debug, Clone, Copy, serde::Serialize, serde::Deserialize)]
-enum SavedScheme {
-    Sweeps,
-    Global,
-    Auto,
-}
-
-#[cfg(feature = "serde")]
-impl From<Scheme> for SavedScheme {
-    fn from(scheme: Scheme) -> Self {
-        match scheme {
-            Scheme::Sweeps => Self::Sweeps,
-            #[cfg(feature = "global")]
-            Scheme::Global => Self::Global,
-            Scheme::Auto => Self::Auto,
-        }
-    }
-}
-
-#[cfg(feature = "serde")]
-impl TryFrom<SavedScheme> for Scheme {
-    type Error = &'static str;
-
-    fn try_from(saved: SavedScheme) -> Result<Self, Self::Error> {
-        match saved {
-            SavedScheme::Sweeps => Ok(Self::Sweeps),
-            #[cfg(feature = "global")]
-            SavedScheme::Global => Ok(Self::Global),
-            #[cfg(not(feature = "global"))]
-            SavedScheme::Global => Err("the scheme needs the feature global"),
-            SavedScheme::Auto => Ok(Self::Auto),
-        }
-    }
-}
-
-/// Time integration of a substep.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Integrator {
-    /// Implicit Euler, of first order. It dissipates energy, more with longer substeps.
-    #[default]
-    Euler,
-    /// BDF2, the second backward difference formula, of second order.
-    ///
-    /// It costs one more pass over the vertices per substep. The first substep, and any after a
-    /// change of positions, velocities, masses or time step or a collision with the ground, is one
-    /// of implicit Euler.
-    ///
-    /// Use it for compliant bodies. It does not dissipate energy, so unconverged errors of rigid
-    /// constraints may add energy without bound. The GPU backend does not support it.
-    Bdf2,
-}
-
-impl Default for SolverParams {
-    /// Returns 16 substeps of one iteration with a diagonal scale of 1/2, and no ground.
-    ///
-    /// On eight of the eleven scenes of `incise-bench accuracy` its error is at most 1.11 times the
-    /// smallest one in the same time. Soft sheets gain from [`Integrator::Bdf2`], large and stiff
-    /// bodies from [`Scheme::Auto`] with two substeps of four iterations. More iterations in fewer
-    /// substeps of sweeps have larger errors (Macklin et al. 2019, "Small Steps in Physics
+    /// By default a frame has 16 substeps of one iteration with a diagonal scale of 1/2, and no
+    /// ground. On eight of the eleven scenes of `incise-bench accuracy` its error is at most 1.11
+    /// times the smallest one in the same time. Soft sheets gain from [`Integrator::Bdf2`], large
+    /// and stiff bodies from [`Scheme::Auto`] with two substeps of four iterations. More iterations
+    /// in fewer substeps of sweeps have larger errors (Macklin et al. 2019, "Small Steps in Physics
     /// Simulation").
-    fn default() -> Self {
-        Self {
-            iterations: 1,
-            substeps: 16,
-            diagonal_scale: 0.5,
-            attachments: true,
-            ..Self::paper()
-        }
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct SolverParams {
+        /// Projections of every constraint per substep, usually 1 to 20.
+        ///
+        /// Contacts and volumes have up to eight projections each where heavy pieces press thin
+        /// ones, see [`Press`](crate::Press).
+        iterations: u32 = 1, range: Self::COUNTS;
+        /// Minimum substeps per frame, usually 1 to 20. They stiffen a body more than as many
+        /// iterations.
+        ///
+        /// With a ground a body takes more if it would fall by more than 1/50 of its mean edge per
+        /// iteration of a substep, as in a body of 1 cm. The ground would flatten it otherwise. So
+        /// does a body with [`Material::volume`](crate::Material::volume) that would fall by more
+        /// than 1/500 of the thickness `2 V / A` of a piece.
+        substeps: u32 = 16, range: Self::COUNTS;
+        /// Gravitational acceleration.
+        gravity: [f32; 3] = [0.0, -9.81, 0.0], unit: "m/s^2";
+        /// Height of the ground plane.
+        ground: Option<f32> = None, unit: "m";
+        /// Displacement per iteration and axis below which a substep ends its iterations early.
+        ///
+        /// `None` runs all iterations without the test. Near rest the displacements shrink with
+        /// every iteration, so a skipped iteration changes a vertex by less than the residual. The
+        /// GPU backend always runs all iterations.
+        residual: Option<f32> = None, range: Range::NOT_NEGATIVE, unit: "m";
+        /// Over-relaxation of the XPBD diagonal of compliant constraints, 1/2 to 1; 1 is XPBD.
+        ///
+        /// A projection divides by the greater of `w` and `compliance / h^2 + diagonal_scale w`,
+        /// where `w = sum of |grad C|^2 / m`. With 1/2 the error of a single Gauss-Seidel iteration
+        /// is of second order in the substep; with 1 bodies are softer and damped. Rigid
+        /// constraints and PBD stiffness are unaffected, and more iterations converge to the same
+        /// result.
+        diagonal_scale: f32 = 0.5, range: Range::at_least(0.5).up_to(1.0);
+        /// Enables [long range attachments](crate::LongRangeAttachment) of inextensible, pinned
+        /// bodies.
+        ///
+        /// They cost one pass per iteration for such bodies.
+        attachments: bool = true;
+        /// Solution of the constraints of a substep.
+        scheme: Scheme = Scheme::Sweeps;
+        /// Time integration of a substep.
+        integrator: Integrator = Integrator::Euler;
+        /// Maximum number of threads of a step on the CPU; `None` for all of the current rayon
+        /// pool.
+        ///
+        /// The results do not depend on it. One thread is the calling thread: no pool is touched.
+        /// Threads share the passes of large bodies, and small bodies of an island that has many;
+        /// other small bodies take one. With more threads the global step has one beside the pool
+        /// that factors its matrix after an edit.
+        threads: Option<NonZeroUsize> = None, range: Range::at_least(1.0);
+    }
+}
+
+incise_params::choices! {
+    /// Solution of the constraints of a substep.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    #[non_exhaustive]
+    pub enum Scheme {
+        /// Projections, color by color. They cost least and carry a load by one edge per iteration.
+        Sweeps = "sweeps",
+        /// Iterations of a global quasi-Newton step, which carry a load through the whole body.
+        ///
+        /// An iteration takes about as long as ten of sweeps. Use it for large and stiff bodies,
+        /// with one or two substeps of four to eight iterations. A body with a rigid or a PBD
+        /// stiffness has no energy to minimize and takes sweeps, and so does a volume with a
+        /// compressibility or a pressure other than 1. The GPU backend does not support it. Results
+        /// depend on the instruction set of the CPU, not on the number of threads. A body of more
+        /// than 4,096 vertices makes a quarter of the iterations in the frame of an edit, which
+        /// prepares a matrix of the changed region.
+        ///
+        /// A body that may touch another piece, the ground or a collider takes first-order sweeps
+        /// in that frame, with all bodies of its island. Each iteration becomes four substeps.
+        /// After sweeps a body settles for up to three seconds, with implicit Euler, until its
+        /// elastic energy is small. A settling substep limits the kinetic energy relative to rigid
+        /// pieces to that of its start, or that of 0.2 body diagonals per second. A body whose line
+        /// search fails takes sweeps for up to a quarter of a second first.
+        Global = "global" if "global",
+        /// The global step for large bodies that are stiff in stretch and bending, sweeps for
+        /// others.
+        ///
+        /// A body takes the global step if its largest piece has 128 vertices or more, and waves of
+        /// stretch and bending travel 24 edges per frame or more. Once chosen, it is kept down to
+        /// 0.8 of this limit. With the stretch compliance `c`, the mean mass `m` of a vertex and
+        /// the frame `dt` this is `dt / sqrt(c m)`. With the bending compliance it is divided by
+        /// the mean rest length. The sizes are measured at creation and after edits, so the choice
+        /// is the same on every machine. Substeps of one iteration take sweeps, and so do bodies in
+        /// contact, as with [`Scheme::Global`]. With one or two substeps of two to four iterations
+        /// such bodies are on or near the work-precision Pareto front of `incise-bench accuracy`.
+        /// The GPU backend does not support it. Without the feature `global` all bodies take
+        /// sweeps.
+        Auto = "auto",
+    }
+}
+
+incise_params::choices! {
+    /// Time integration of a substep.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Integrator {
+        /// Implicit Euler, of first order. It dissipates energy, more with longer substeps.
+        Euler = "euler",
+        /// BDF2, the second backward difference formula, of second order.
+        ///
+        /// It costs one more pass over the vertices per substep. The first substep, and any after a
+        /// change of positions, velocities, masses or time step or a collision with the ground, is
+        /// one of implicit Euler.
+        ///
+        /// Use it for compliant bodies. It does not dissipate energy, so unconverged errors of
+        /// rigid constraints may add energy without bound. The GPU backend does not support it.
+        Bdf2 = "bdf2",
     }
 }
 
@@ -205,6 +158,9 @@ impl SolverParams {
     /// With [`Integrator::Bdf2`] a substep counts as two thirds of its length.
     pub const MIN_SUBSTEP: f32 = 1.0 / (1_u64 << 63) as f32;
 
+    /// Range of iterations, and of substeps.
+    const COUNTS: Range = Range::at_least(1.0).up_to(Self::MAX_COUNT as f64);
+
     /// Checks all parameters and the time step `dt` \[s\].
     ///
     /// # Errors
@@ -213,11 +169,7 @@ impl SolverParams {
         if !(dt.is_finite() && dt > 0.0) {
             return Err(StepError::BadTimeStep { value: dt });
         }
-        for (name, count) in [("iteration", self.iterations), ("substep", self.substeps)] {
-            if !(1..=Self::MAX_COUNT).contains(&count) {
-                return Err(StepError::CountOutOfRange { name, value: count });
-            }
-        }
+        self.check_ranges()?;
         let h = dt / self.substeps as f32;
         let h = match self.integrator {
             Integrator::Euler => h,
@@ -225,21 +177,6 @@ impl SolverParams {
         };
         if h < Self::MIN_SUBSTEP {
             return Err(StepError::SubstepTooShort { h });
-        }
-        if !self.gravity.iter().all(|g| g.is_finite()) {
-            return Err(StepError::NonFiniteParameter { name: "gravity" });
-        }
-        if self.ground.is_some_and(|height| !height.is_finite()) {
-            return Err(StepError::NonFiniteParameter { name: "the ground" });
-        }
-        if let Some(value) = self.residual
-            && !(value.is_finite() && value >= 0.0)
-        {
-            return Err(StepError::BadResidual { value });
-        }
-        if !(0.5..=1.0).contains(&self.diagonal_scale) {
-            let value = self.diagonal_scale;
-            return Err(StepError::DiagonalScaleOutOfRange { value });
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! Early termination of iterations once a residual is reached.
 
 use incise_mesh::Surface;
-use incise_pbd_gpu::{Material, Solver, SolverParams, StepError, Stiffness};
+use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness};
 use incise_test_support::surfaces::sphere;
 
 const DT: f32 = 1.0 / 60.0;
@@ -178,11 +178,10 @@ fn skipped_iterations_do_not_depend_on_threads() {
 fn an_invalid_residual_is_an_error() {
     let (mut surface, mut solver) = squeezed(1, &rigid());
     let before = surface.clone();
-    for value in [-1e-9, f32::INFINITY] {
+    for value in [-0.5, f32::INFINITY, f32::NAN] {
         let refused = solver.step(&mut surface, DT, &params(2, Some(value)));
-        assert_eq!(refused.err(), Some(StepError::BadResidual { value }));
+        let text = format!("residual is {value}; it must be a finite number of at least 0");
+        assert_eq!(refused.unwrap_err().to_string(), text);
     }
-    let refused = solver.step(&mut surface, DT, &params(2, Some(f32::NAN)));
-    assert!(matches!(refused, Err(StepError::BadResidual { .. })));
     assert_eq!(surface, before, "nothing was stepped");
 }

@@ -24,39 +24,84 @@ class FillError(Error): ...
 class SceneError(Error): ...
 class FileError(Error): ...
 
+# Made from the parameters by `INCISE_UPDATE=1 cargo test -p incise-tests generated`.
 class CutOptions(TypedDict, total=False):
-    level: Union[str, float]
-    method: str
-    refine_method: str
-    snap: float
-    remesh: float
-    grading: float
-    caps: str
-    max_triangles: int
+    method: Optional[Union[str, Mapping[str, Any]]]
+    snap: Optional[float]
+    remesh: Optional[float]
+    min_distance: Optional[float]
+    beta: Optional[float]
+    ear_angle: Optional[float]
+    refine_method: Optional[str]
+    level: Optional[Union[str, float]]
+    rim_length: Optional[float]
+    grading: Optional[float]
+    max_rounds: Optional[int]
+    max_triangles: Optional[int]
+    caps: Optional[str]
+    cap_material: Optional[int]
+    cap_uv_scale: Optional[float]
+    only_piece: Optional[int]
 
-class SceneOptions(CutOptions, total=False):
-    dt: float
-    iterations: int
-    substeps: int
+class SceneOptions(TypedDict, total=False):
+    dt: Optional[float]
+    iterations: Optional[int]
+    substeps: Optional[int]
     gravity: Optional[npt.ArrayLike]
     ground: Optional[float]
-    contacts: Optional[Union[bool, Mapping[str, Any]]]
-    sleep: bool
-    skip_far_sweeps: bool
+    residual: Optional[float]
+    diagonal_scale: Optional[float]
+    attachments: Optional[bool]
+    scheme: Optional[str]
+    integrator: Optional[str]
     threads: Optional[int]
-    diagonal_scale: float
-    attachments: bool
+    method: Optional[Union[str, Mapping[str, Any]]]
+    snap: Optional[float]
+    remesh: Optional[float]
+    min_distance: Optional[float]
+    beta: Optional[float]
+    ear_angle: Optional[float]
+    refine_method: Optional[str]
+    level: Optional[Union[str, float]]
+    rim_length: Optional[float]
+    grading: Optional[float]
+    max_rounds: Optional[int]
+    max_triangles: Optional[int]
+    caps: Optional[str]
+    cap_material: Optional[int]
+    cap_uv_scale: Optional[float]
+    only_piece: Optional[int]
+    skip_far_sweeps: Optional[bool]
+    checkpoint: Optional[int]
+    contacts: Optional[Union[bool, Mapping[str, Any]]]
+    contacts_thickness: Optional[float]
+    contacts_self_collision: Optional[bool]
+    sleep: Optional[Union[bool, Mapping[str, Any]]]
+    sleep_speed: Optional[float]
+    sleep_seconds: Optional[float]
     undo_limit: int
 
 class MaterialKeys(TypedDict, total=False):
-    density: Mapping[str, float]
-    stretch: Mapping[str, float]
+    density: Optional[Mapping[str, float]]
+    stretch: Optional[Mapping[str, float]]
     bending: Optional[Mapping[str, float]]
-    volume: Optional[Mapping[str, float]]
-    interior_springs: Optional[Mapping[str, Any]]
-    damping: float
-    friction: float
+    volume: Optional[Union[bool, Mapping[str, Any]]]
+    volume_compressibility: Optional[float]
+    volume_pressure: Optional[float]
+    interior_springs: Optional[Union[bool, Mapping[str, Any]]]
+    interior_springs_density: Optional[float]
+    interior_springs_stiffness: Optional[Mapping[str, float]]
+    damping: Optional[float]
+    friction: Optional[float]
 
+class FillOptions(TypedDict, total=False):
+    level: Optional[Union[str, float]]
+    fair: Optional[bool]
+    max_rim_edges: Optional[int]
+    max_triangles: Optional[int]
+    material: Optional[int]
+
+# End of that part.
 class MeshReport(TypedDict):
     vertices: int
     file_vertices: int
@@ -146,13 +191,7 @@ class Mesh:
     def pieces(self) -> list[Mesh]: ...
     def check(self, allow_boundaries: bool = False) -> MeshReport: ...
     def repair(self, allow_boundaries: bool = True, separate_sheets: bool = True) -> Mesh: ...
-    def fill(
-        self,
-        *,
-        level: Optional[Union[str, float]] = None,
-        max_edges: Optional[int] = None,
-        max_triangles: Optional[int] = None,
-    ) -> tuple[Mesh, FillReport]: ...
+    def fill(self, **options: Unpack[FillOptions]) -> tuple[Mesh, FillReport]: ...
     def sort_by_position(self) -> Mesh: ...
     def cut(
         self, normal: npt.ArrayLike, d: float = 0.0, **options: Unpack[CutOptions]

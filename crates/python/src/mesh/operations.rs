@@ -5,7 +5,7 @@ use crate::arrays;
 use crate::cut::{CutResult, cut_by_path, cut_by_plane};
 use crate::error::{OrRaise, refused};
 use crate::mesh_arrays::MeshArrays;
-use crate::options::{count, cut_params, level as level_of};
+use crate::params::{self, cut_params};
 use crate::report;
 use incise::mesh::{RepairParams, check_with};
 use incise::refine::{HoleParams, fill_holes};
@@ -66,30 +66,20 @@ impl Mesh {
     /// Closes every hole and returns the new mesh and a report.
     ///
     /// The outer boundary of a sheet is a hole too. Old vertices and faces come first, in their
-    /// order; vertices that no face uses are dropped. Faces of patches have the material 1. `level`
-    /// is the ratio of the patches' edge length to that of the surface, a number or a name as in
-    /// `cut`. Holes of more than `max_edges` edges stay open. The report has `holes`, a dictionary
-    /// each, and `left_open`. Patches are not faired.
+    /// order; vertices that no face uses are dropped. Faces of patches have the material 1. Options
+    /// are the `HoleParams` of `docs/parameters.md`: `level`, `max_rim_edges`, `max_triangles` and
+    /// `material`. The report has `holes`, a dictionary each, and `left_open`. Patches are not
+    /// faired.
     ///
     /// Raises `FillError` and `TopologyError`.
-    #[pyo3(signature = (*, level=None, max_edges=None, max_triangles=None))]
+    #[pyo3(signature = (**options))]
     fn fill<'py>(
         &self,
         py: Python<'py>,
-        level: Option<&Bound<'py, PyAny>>,
-        max_edges: Option<&Bound<'py, PyAny>>,
-        max_triangles: Option<&Bound<'py, PyAny>>,
+        options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<(Self, Bound<'py, PyDict>)> {
         let mut params = HoleParams::default();
-        if let Some(value) = level {
-            params.level = level_of(value)?;
-        }
-        if let Some(value) = max_edges {
-            params.max_rim_edges = count(value, "max_edges")?;
-        }
-        if let Some(value) = max_triangles {
-            params.max_triangles = count(value, "max_triangles")?;
-        }
+        params::set(&mut params, options)?;
         let (mesh, report) = py.detach(|| {
             let mut surface = self.surface().or_raise()?.clone();
             let report = fill_holes(&mut surface, &params).or_raise()?;
@@ -118,19 +108,9 @@ impl Mesh {
     /// `normal` has any length. A plane that misses is no error, see `CutResult.is_miss`. Other
     /// threads of Python run meanwhile.
     ///
-    /// Options, as those of `incise cut`:
-    ///     `level`: edge length of caps relative to the surface: "2x-coarser", "1.5x-coarser",
-    ///         "original" (default), "1.5x-finer", "2x-finer", or a number.
-    ///     `method`: "exact" (default) or "paper".
-    ///     `refine_method`: "delaunay" (default) or "paper", the meshing of caps.
-    ///     `snap`: shortest edge along the rim [local edge lengths], 0 to below 0.5, default
-    ///         0.1.
-    ///     `remesh`: largest motion of the surface that removes slivers [local edge lengths], 0 to
-    ///         below 0.5, default 0.
-    ///     `grading`: growth of the caps' edge length with the distance from the rim [m/m], at
-    ///         least 0, default 0.3.
-    ///     `caps`: "bodies" (default), "all-loops" or "none".
-    ///     `max_triangles`: largest number of triangles of a cap.
+    /// Options are the parameters `CutParams` of `docs/parameters.md` by their names, for example
+    /// `level="2x-finer"` or `snap=0.2`. Faces of caps are in `cap_masks`, so `cap_material` has no
+    /// effect.
     ///
     /// Raises `CutError`, `TopologyError`, and Error for an option out of range.
     #[pyo3(signature = (normal, d=0.0, **options))]

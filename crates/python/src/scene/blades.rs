@@ -2,17 +2,11 @@
 
 use super::{Number, Scene, unknown};
 use crate::arrays::{edge, vector};
+use crate::colliders::collider;
 use crate::error::OrRaise;
-use crate::options::choice;
-use crate::solver_options::collider;
+use crate::params::choice;
 use incise::scene::{BladeId, BladeMode};
 use pyo3::prelude::*;
-
-/// The names of the modes of blades.
-const MODES: [(&str, BladeMode); 2] = [
-    ("progressive", BladeMode::Progressive),
-    ("full-slices", BladeMode::FullSlices),
-];
 
 impl Scene {
     fn blade_id(&self, blade: Number) -> PyResult<BladeId> {
@@ -33,7 +27,8 @@ impl Scene {
         mode: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<usize> {
         let edge = self::edge(edge, "edge")?;
-        let mode = mode.map(|mode| choice(mode, "mode", &MODES)).transpose()?;
+        let read = |mode| choice(mode, "mode", BladeMode::NAMES, BladeMode::from_name);
+        let mode = mode.map(read).transpose()?;
         let blade = self.scene.add_blade(edge);
         if let Some(mode) = mode {
             self.scene.set_blade_mode(blade, mode).or_raise()?;

@@ -5,7 +5,7 @@ use crate::arrays::{float_rows, point, vector, wrong_shape};
 use crate::error::{IntoException, OrRaise};
 use crate::mesh::Mesh;
 use crate::mesh_arrays::MeshArrays;
-use crate::solver_options::{changed, preset};
+use crate::params;
 use incise::mesh::{Surface, Vec3, VertexId};
 use incise::pbd::{ConstraintError, Material, Solver};
 use incise::scene::{Body, BodyId, SceneError};
@@ -80,12 +80,10 @@ fn constraint(error: ConstraintError) -> PyErr {
 impl Scene {
     /// Adds a mesh as a body at rest and returns its number.
     ///
-    /// `material` is "soft-body" (default), "shell", "limp-shell" or "cloth". Keys of scene files
-    /// replace its values: `density`, `{"per_area": kg/m^2}` or `{"per_volume": kg/m^3}`;
-    /// `stretch` and `bending`, `{"stiffness": 0 to 1}` or `{"compliance": m/N, rad/(N m)}`;
-    /// `volume`, `{"compressibility": 1/Pa, "pressure": ratio}`; `interior_springs`, `{"density":
-    /// per vertex, "stiffness": {...}}`; `damping` [1/s]; `friction`. None removes bending,
-    /// volume or springs.
+    /// `material` is "soft-body" (default), "shell", "limp-shell" or "cloth". The parameters
+    /// `Material` of `docs/parameters.md` replace its values, for example `density={"per_volume":
+    /// 1000.0}`, `bending={"compliance": 1e-4}` or `friction=0.3`. None removes bending, volume or
+    /// springs.
     ///
     /// All positions in a scene are relative to the `origin` of the first mesh; others are moved
     /// to it. Raises `TopologyError`, and `SceneError` for values out of range.
@@ -97,8 +95,9 @@ impl Scene {
         material: Option<&Bound<'_, PyAny>>,
         keys: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<usize> {
-        let material = material.map_or_else(|| Ok(Material::soft_body()), preset)?;
-        let material = changed(material, keys)?;
+        let preset = |name| params::choice(name, "material", &Material::PRESETS, Material::preset);
+        let mut material = material.map_or_else(|| Ok(Material::soft_body()), preset)?;
+        params::set(&mut material, keys)?;
         let scene = &mut self.scene;
         let body = py.detach(|| {
             let surface = mesh.surface().or_raise()?.clone();
@@ -113,7 +112,8 @@ impl Scene {
     /// they are made with the body. Raises `SceneError`, and nothing has changed.
     #[pyo3(signature = (body, **keys))]
     fn set_material(&mut self, body: Number, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
-        let material = changed(*self.body(body)?.solver().material(), keys)?;
+        let mut material = *self.body(body)?.solver().material();
+        params::set(&mut material, keys)?;
         let (solver, surface) = self.edit(body)?;
         solver.set_material(surface, &material).map_err(constraint)
     }

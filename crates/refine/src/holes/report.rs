@@ -5,48 +5,36 @@ use crate::error::HoleError;
 use crate::params::RefinementLevel;
 use incise_mesh::geometry::{corner_angles, is_flat};
 use incise_mesh::{AngleStats, Surface, TopologyDelta, TriangleId, Undo, VertexId};
+use incise_params::Params;
 use std::f64::consts::PI;
 
 /// Angle below which a triangle counts as a sliver \[degrees\].
 const SLIVER: f64 = 5.0;
 
-/// Parameters of [`fill_holes`](crate::fill_holes).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HoleParams {
-    /// Edge length of patches relative to the surface around the hole.
-    pub level: RefinementLevel,
-    /// Whether patches continue the surrounding surface smoothly; needs the feature `fair`.
-    ///
-    /// A planar rim at a steep angle to the surface, such as the open end of a tube, stays planar.
-    pub fair: bool,
-    /// Maximum number of edges of a rim; holes with more stay open.
-    pub max_rim_edges: usize,
-    /// Maximum number of triangles of all patches together.
-    pub max_triangles: usize,
-    /// Material number of patches.
-    pub material: u32,
-}
-
-impl Default for HoleParams {
-    fn default() -> Self {
-        Self {
-            level: RefinementLevel::Original,
-            fair: false,
-            max_rim_edges: usize::MAX,
-            max_triangles: 1_000_000,
-            material: 1,
-        }
+incise_params::params! {
+    /// Parameters of [`fill_holes`](crate::fill_holes).
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct HoleParams {
+        /// Edge length of patches relative to the surface around the hole.
+        level: RefinementLevel = RefinementLevel::Original;
+        /// Whether patches continue the surrounding surface smoothly.
+        ///
+        /// A planar rim at a steep angle to the surface, such as the open end of a tube, stays
+        /// planar.
+        fair: bool = false;
+        /// Maximum number of edges of a rim; holes with more stay open.
+        max_rim_edges: usize = usize::MAX;
+        /// Maximum number of triangles of all patches together.
+        max_triangles: usize = 1_000_000;
+        /// Material number of patches.
+        material: u32 = 1;
     }
 }
 
 impl HoleParams {
-    /// Checks the level.
+    /// Checks the ranges.
     pub(super) fn check(&self) -> Result<(), HoleError> {
-        let z = self.level.z();
-        if !(z > 0.0 && z.is_finite()) {
-            return Err(HoleError::NonPositiveLevel { z });
-        }
-        Ok(())
+        Ok(self.check_ranges()?)
     }
 }
 

@@ -13,7 +13,7 @@ use incise_mesh::{Bvh, Surface, TriangleId, VertexId, cube_sphere};
 use incise_pbd_gpu::{
     Collider, InteriorSprings, Material, Solver, SolverParams, Stiffness, Volume,
 };
-use incise_scene::{Body, BodyId, ContactParams, Scene, SceneError, SceneParams, SleepParams};
+use incise_scene::{Body, BodyId, ContactParams, Scene, SceneParams, SleepParams};
 use incise_test_support::materials::firm;
 
 pub(crate) fn params(gravity: [f32; 3], ground: Option<f32>) -> SceneParams {

@@ -120,10 +120,9 @@ fn short_line_of_full_slices_cuts_only_with_shift() {
 #[test]
 fn line_that_ends_inside_slits_the_body() {
     let (mut session, mut orbit) = set_up();
-    session.apply(Command::Set(Settings {
-        gravity: false,
-        ..Settings::default()
-    }));
+    let mut settings = Settings::default();
+    settings.scene.solver.gravity = [0.0; 3];
+    session.apply(Command::Set(settings));
     let volume = session.surface().volume();
     for way in [
         [[20.0, 300.0], [300.0, 300.0]],
@@ -158,10 +157,9 @@ fn blade_dragged_through_the_body_cuts() {
 #[test]
 fn blade_dragged_into_the_body_opens_it() {
     let (mut session, mut orbit) = set_up();
-    session.apply(Command::Set(Settings {
-        gravity: false,
-        ..Settings::default()
-    }));
+    let mut settings = Settings::default();
+    settings.scene.solver.gravity = [0.0; 3];
+    session.apply(Command::Set(settings));
     let mut pointer = Pointer {
         tool: Tool::Blade,
         ..Pointer::default()

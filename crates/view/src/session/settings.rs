@@ -3,7 +3,6 @@
 use super::Session;
 use super::cut_history::CutHistory;
 use crate::command::Settings;
-use incise_pbd_gpu::Stiffness;
 use incise_scene::{BodyId, SceneError};
 
 impl Session {
@@ -12,11 +11,9 @@ impl Session {
             self.release()?;
             self.rebuild(&settings)?;
             self.inform("the body was rebuilt at rest in its current shape".to_owned());
-        } else if settings.material() != self.settings.material() {
+        } else if settings.material != self.settings.material {
             let (solver, surface) = self.scene.edit(self.body)?.solver_mut();
-            solver.set_stretch(Stiffness::Pbd(settings.stretch))?;
-            solver.set_damping(settings.damping)?;
-            solver.set_volume(surface, settings.volume())?;
+            solver.set_material(surface, &settings.material)?;
         }
         let params = settings.scene(self.ground, self.has_walls);
         if params != self.scene.params {
@@ -33,7 +30,7 @@ impl Session {
         let old = self.scene.body(self.body)?;
         let pins: Vec<_> = old.solver().pins().iter().map(|pin| pin.vertex).collect();
         let surface = old.surface().clone();
-        let body = self.scene.add_body(surface, &settings.material())?;
+        let body = self.scene.add_body(surface, &settings.material)?;
         self.replace(body);
         let (solver, surface) = self.scene.edit(self.body)?.solver_mut();
         for v in pins {
@@ -52,7 +49,7 @@ impl Session {
 
     pub(super) fn reset(&mut self) -> Result<(), SceneError> {
         let initial = self.initial.clone();
-        let body = self.scene.add_body(initial, &self.settings.material())?;
+        let body = self.scene.add_body(initial, &self.settings.material)?;
         self.stroke = None;
         self.dragged = None;
         self.history = CutHistory::default();

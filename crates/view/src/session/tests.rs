@@ -4,10 +4,11 @@ mod blade;
 mod caps;
 
 use super::*;
-use crate::command::Method;
-use crate::recording::{Entry, ReplayProgress};
+use crate::recording::ReplayProgress;
+use incise_cut::{CutMethod, PaperParams};
 use incise_mesh::icosphere;
 use incise_models::{Model, build_model};
+use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Stiffness, Volume};
 use incise_refine::RefinementLevel;
 use incise_scene::SceneParams;
 
@@ -75,12 +76,14 @@ fn bits(session: &Session) -> Vec<[u32; 8]> {
 
 #[test]
 fn undo_and_redo_without_motion_are_bit_identical() {
-    for method in [Method::Exact, Method::Paper] {
+    for method in [
+        CutMethod::default(),
+        CutMethod::Paper(PaperParams::default()),
+    ] {
         let mut s = session();
-        s.apply(Command::Set(Settings {
-            method,
-            ..Settings::default()
-        }));
+        let mut settings = Settings::default();
+        settings.scene.cut.method = method;
+        s.apply(Command::Set(settings));
         s.apply(Command::Pin { vertex: 5 });
         for _ in 0..30 {
             s.frame();
@@ -232,13 +235,11 @@ fn settings_apply_to_the_next_frame_and_cut() {
     s.apply(across(0.1));
     let coarse = s.surface().topology().triangle_count();
     s.apply(Command::Undo);
-    let mut settings = Settings {
-        level: RefinementLevel::Finer2,
-        substeps: 4,
-        stretch: 0.5,
-        volume: None,
-        ..Settings::default()
-    };
+    let mut settings = Settings::default();
+    settings.scene.cut.refine.level = RefinementLevel::Finer2;
+    settings.scene.solver.substeps = 4;
+    settings.material.stretch = Stiffness::Pbd(0.5);
+    settings.material.volume = None;
     s.apply(Command::Set(settings));
     s.apply(across(0.1));
     assert!(s.surface().topology().triangle_count() > coarse);
@@ -255,14 +256,14 @@ fn settings_apply_to_the_next_frame_and_cut() {
             .map(|set| set.len())
     };
     assert!(interior_springs(&s).is_some_and(|count| count > 0));
-    settings.interior_springs = None;
+    settings.material.interior_springs = None;
     s.apply(Command::Set(settings));
     assert!(
         s.status_message()
             .is_some_and(|n| n.text.contains("rebuilt"))
     );
     assert_eq!(interior_springs(&s), None);
-    settings.bending = None;
+    settings.material.bending = None;
     s.apply(Command::Set(settings));
     let body = s.scene().body(s.body()).unwrap();
     assert!(body.solver().bending().is_none());
@@ -296,11 +297,12 @@ fn play(s: &mut Session) {
             }),
             30 => s.apply(Command::Release),
             40 => s.apply(Command::Undo),
-            42 => s.apply(Command::Set(Settings {
-                bending: Some(0.7),
-                level: RefinementLevel::Z(0.8),
-                ..Settings::default()
-            })),
+            42 => {
+                let mut settings = Settings::default();
+                settings.material.bending = Some(Stiffness::Pbd(0.7));
+                settings.scene.cut.refine.level = RefinementLevel::Z(0.8);
+                s.apply(Command::Set(settings));
+            }
             45 => s.apply(Command::Slice {
                 from: [[-0.3, 3.0, -2.0], [0.3, -3.0, -2.0]],
                 to: [[-0.3, 3.0, 2.0], [0.3, -3.0, 2.0]],
@@ -380,7 +382,7 @@ fn recordings_of_other_bodies_and_out_of_order_are_errors() {
 }
 
 /// Returns height and volume of a body after 2 s, relative to the initial values.
-fn height_and_volume_left(model: Model, interior_springs: Option<f32>) -> [f64; 2] {
+fn height_and_volume_left(model: Model, interior_springs: Option<InteriorSprings>) -> [f64; 2] {
     let surface = build_model(model);
     let measure = |surface: &Surface| {
         let bounds = surface.bounds();
@@ -388,10 +390,8 @@ fn height_and_volume_left(model: Model, interior_springs: Option<f32>) -> [f64; 
         [f64::from(bounds.max[1] - bounds.min[1]), volume]
     };
     let whole = measure(&surface);
-    let settings = Settings {
-        interior_springs,
-        ..Settings::default()
-    };
+    let mut settings = Settings::default();
+    settings.material.interior_springs = interior_springs;
     let scene = Scene::new(SceneParams::default());
     let mut s = Session::with_settings(surface, scene, settings).unwrap();
     for _ in 0..120 {
@@ -404,7 +404,8 @@ fn height_and_volume_left(model: Model, interior_springs: Option<f32>) -> [f64; 
 #[test]
 fn large_body_keeps_its_height_on_the_ground() {
     let model = Model::Banana;
-    let [height, volume] = height_and_volume_left(model, Settings::default().interior_springs);
+    let [height, volume] =
+        height_and_volume_left(model, Settings::default().material.interior_springs);
     assert!(height > 0.8, "{height} of its height is left");
     assert!(
         (volume - 1.0).abs() < 0.01,
@@ -416,25 +417,38 @@ fn large_body_keeps_its_height_on_the_ground() {
 
 #[test]
 fn old_recordings_have_no_interior_springs_and_damping() {
-    let mut s = session();
-    s.apply(Command::Set(Settings::default()));
     let mut text = Vec::new();
-    s.recording().write(&mut text).unwrap();
+    session().recording().write(&mut text).unwrap();
     let text = String::from_utf8(text).unwrap();
-    let new = ",\"interior_springs\":1.0,\"damping\":1.0";
-    assert_eq!(text.matches(new).count(), 2, "{text}");
-    let old = text.replace(new, "");
-    let old = Recording::read(old.as_bytes()).unwrap();
-    assert_eq!(old.settings().interior_springs, None);
-    let Entry::Command { command, .. } = old.entries()[1] else {
-        panic!("{old:?}");
-    };
-    let without = Settings {
-        interior_springs: None,
-        damping: 0.0,
+    let now = serde_json::to_string(&Settings::default()).unwrap();
+    let old = r#"{"method":"rebuild","level":"0.7","substeps":4,"iterations":2,"stretch":0.5,
+        "bending":null,"volume":1.5,"gravity":false,"ground":true,"contacts":false}"#;
+    let text = text.replace(&now, &old.replace('\n', " "));
+    let read = Recording::read(text.as_bytes()).unwrap().settings();
+    let mut expected = Settings {
+        material: Material {
+            stretch: Stiffness::Pbd(0.5),
+            bending: None,
+            volume: Some(Volume {
+                pressure: 1.5,
+                ..Volume::default()
+            }),
+            ..Material::default()
+        },
+        progressive: false,
         ..Settings::default()
     };
-    assert_eq!(command, Command::Set(without));
+    let scene = &mut expected.scene;
+    scene.cut.method = CutMethod::Paper(PaperParams::default());
+    scene.cut.refine.level = RefinementLevel::Z(0.7);
+    scene.solver = SolverParams {
+        substeps: 4,
+        iterations: 2,
+        gravity: [0.0; 3],
+        ..SolverParams::default()
+    };
+    scene.contacts = None;
+    assert_eq!(read, expected);
 }
 
 /// Regression: the order of colored sweeps turned a ball on the ground, so that it rolled forever.

@@ -1,9 +1,11 @@
 //! Executes the actions of keys and panel buttons.
 
-use super::{OpenWindow, panel};
-use crate::command::{Command, Method};
+use super::OpenWindow;
+use crate::command::Command;
 use crate::error::ViewError;
 use crate::keys::Action;
+use incise_cut::{CutMethod, PaperParams};
+use incise_pbd_gpu::SolverParams;
 use incise_refine::RefinementLevel;
 use std::fs::File;
 use std::io::BufWriter;
@@ -22,6 +24,8 @@ impl OpenWindow {
     /// Executes an action.
     pub(super) fn execute(&mut self, action: Action) -> Result<(), ViewError> {
         let mut settings = *self.session.settings();
+        let level = &mut settings.scene.cut.refine.level;
+        let substeps = &mut settings.scene.solver.substeps;
         match action {
             Action::SelectTool(tool) => self.pointer.tool = tool,
             Action::Pause => self.paused = !self.paused,
@@ -42,17 +46,15 @@ impl OpenWindow {
             Action::CapColors => self.display.caps ^= true,
             Action::BatchColors => self.display.batches ^= true,
             Action::Method => {
-                settings.method = match settings.method {
-                    Method::Exact => Method::Paper,
-                    Method::Paper => Method::Exact,
+                settings.scene.cut.method = match settings.scene.cut.method {
+                    CutMethod::Exact(_) => CutMethod::Paper(PaperParams::default()),
+                    CutMethod::Paper(_) => CutMethod::default(),
                 }
             }
-            Action::Coarser => settings.level = next_level(settings.level, false),
-            Action::Finer => settings.level = next_level(settings.level, true),
-            Action::FewerSubsteps => settings.substeps = (settings.substeps - 1).max(1),
-            Action::MoreSubsteps => {
-                settings.substeps = (settings.substeps + 1).min(panel::MAX_SUBSTEPS)
-            }
+            Action::Coarser => *level = next_level(*level, false),
+            Action::Finer => *level = next_level(*level, true),
+            Action::FewerSubsteps => *substeps = (*substeps - 1).max(1),
+            Action::MoreSubsteps => *substeps = (*substeps + 1).min(SolverParams::MAX_COUNT),
             Action::Save => {
                 self.session.read()?;
                 let saved = (self.save)(self.session.surface());

@@ -1,23 +1,21 @@
 //! The panel beside the view: tools, settings, display options, messages and help.
 
+mod parameters;
 mod statistics;
 
 use super::{DisplayOptions, OpenWindow, annotations, scene_view};
-use crate::command::{Method, Settings};
+use crate::command::Settings;
 use crate::keys::{Action, KEYS, MOUSE};
 use crate::pointer::Tool;
 use crate::session::{BladeState, Session};
-use egui::{Align2, Button, Color32, Grid, RichText, ScrollArea, Slider, Ui};
+use egui::{Align2, Button, Color32, Grid, RichText, ScrollArea, Ui};
+use incise_cut::CutMethod;
 use incise_mesh::geometry::round_to_f32;
-use incise_refine::RefinementLevel;
 use incise_scene::BladeMode;
 use winit::window::Window;
 
 /// Width of the panel \[points\].
 pub(super) const WIDTH: f32 = 292.0;
-
-/// Maximum of the sliders for substeps and iterations.
-pub(super) const MAX_SUBSTEPS: u32 = 64;
 
 const ERROR: Color32 = Color32::from_rgb(176, 40, 30);
 
@@ -96,6 +94,7 @@ fn contents(ui: &mut Ui, open: &OpenWindow, requests: &mut PanelRequests) {
     messages(ui, open);
     section(ui, "Cut", |ui| cut(ui, &mut requests.settings));
     section(ui, "Body", |ui| body(ui, &mut requests.settings));
+    section(ui, "Motion", |ui| motion(ui, &mut requests.settings));
     section(ui, "Display", |ui| display(ui, open, &mut requests.actions));
     section(ui, "Statistics", |ui| statistics::show(ui, open));
 }
@@ -152,79 +151,29 @@ fn messages(ui: &mut Ui, open: &OpenWindow) {
 }
 
 fn cut(ui: &mut Ui, settings: &mut Settings) {
-    ui.horizontal(|ui| {
-        ui.label("method");
-        ui.selectable_value(&mut settings.method, Method::Exact, "exact");
-        ui.selectable_value(&mut settings.method, Method::Paper, "paper");
-    });
     ui.add_enabled(
-        settings.method == Method::Exact,
+        matches!(settings.scene.cut.method, CutMethod::Exact(_)),
         egui::Checkbox::new(&mut settings.progressive, "cuts may end inside the body"),
     );
-    ui.label("section edge length, relative to the rim");
-    ui.horizontal_wrapped(|ui| {
-        for level in RefinementLevel::FIVE {
-            let name = match level {
-                RefinementLevel::Coarser2 => "2",
-                RefinementLevel::Coarser1_5 => "1.5",
-                RefinementLevel::Original => "1",
-                RefinementLevel::Finer1_5 => "1/1.5",
-                _ => "1/2",
-            };
-            ui.selectable_value(&mut settings.level, level, name)
-                .on_hover_text(level.to_string());
-        }
-    });
-    let mut z = settings.level.z();
-    let slider = Slider::new(&mut z, 0.05..=20.0).logarithmic(true).text("z");
-    if ui.add(slider).changed() {
-        settings.level = RefinementLevel::Z(z);
-    }
+    // The marks of caps are those of the window.
+    parameters::show(
+        ui,
+        &mut settings.scene,
+        "cut",
+        &["cut.cap_material", "cut.only_piece"],
+    );
 }
 
 fn body(ui: &mut Ui, settings: &mut Settings) {
-    ui.add(Slider::new(&mut settings.substeps, 1..=MAX_SUBSTEPS).text("substeps"));
-    ui.add(Slider::new(&mut settings.iterations, 1..=MAX_SUBSTEPS).text("iterations"));
-    ui.add(Slider::new(&mut settings.stretch, 0.0..=1.0).text("stiffness"));
-    optional(ui, "bending", &mut settings.bending, 0.2, 1.0)
-        .on_hover_text("changes rebuild the body at rest in its current shape");
-    optional(ui, "volume", &mut settings.volume, 1.0, 3.0)
-        .on_hover_text("target volume relative to the rest volume");
-    optional(
-        ui,
-        "interior springs",
-        &mut settings.interior_springs,
-        1.0,
-        1.0,
-    )
-    .on_hover_text(
-        "interior springs per vertex, which keep thick bodies from collapsing; changes rebuild \
-         the body at rest in its current shape",
-    );
-    ui.add(Slider::new(&mut settings.damping, 0.0..=10.0).text("damping [1/s]"));
-    ui.horizontal(|ui| {
-        ui.checkbox(&mut settings.gravity, "gravity");
-        ui.checkbox(&mut settings.ground, "ground");
-        ui.checkbox(&mut settings.contacts, "contacts");
-    });
+    ui.label("Density, bending and springs rebuild the body at rest in its current shape.");
+    parameters::show(ui, &mut settings.material, "", &[]);
 }
 
-/// Shows a slider with a check box that disables the value.
-fn optional(
-    ui: &mut Ui,
-    name: &str,
-    value: &mut Option<f32>,
-    default: f32,
-    max: f32,
-) -> egui::Response {
-    let row = ui.horizontal(|ui| {
-        let mut is_on = value.is_some();
-        ui.checkbox(&mut is_on, "");
-        let mut number = value.unwrap_or(default);
-        ui.add_enabled(is_on, Slider::new(&mut number, 0.0..=max).text(name));
-        *value = is_on.then_some(number);
-    });
-    row.response
+fn motion(ui: &mut Ui, settings: &mut Settings) {
+    ui.checkbox(&mut settings.ground, "ground");
+    // The window plays frames at their rate.
+    let own = ["dt", "cut", "solver.ground"];
+    parameters::show(ui, &mut settings.scene, "", &own);
 }
 
 fn display(ui: &mut Ui, open: &OpenWindow, actions: &mut Vec<Action>) {

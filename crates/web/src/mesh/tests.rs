@@ -2,11 +2,16 @@ use super::*;
 
 const UP: [f64; 3] = [0.0, 1.0, 0.0];
 
+/// Returns the parameters of a level.
+fn level(name: &str) -> Value {
+    Value::Map(vec![("level".to_owned(), Value::from(name))])
+}
+
 #[test]
 fn a_cut_is_two_closed_pieces_with_caps_and_undo_takes_it_back() {
     let mut mesh = Mesh::model("Sphere768").unwrap();
     let before = mesh.surface().clone();
-    let report = mesh.cut(&UP, 0.0, None, None).unwrap();
+    let report = mesh.cut(&UP, 0.0, &Value::None).unwrap();
     assert!(!report.is_miss && report.refined && report.pieces_added == 1);
     assert_eq!(mesh.piece_numbers().len(), 2);
     let mask = mesh
@@ -42,9 +47,7 @@ fn a_cut_is_two_closed_pieces_with_caps_and_undo_takes_it_back() {
 #[test]
 fn exports_are_read_again() {
     let mut mesh = Mesh::model("Sphere80").unwrap();
-    let _ = mesh
-        .cut(&UP, 0.1, Some("2x-finer".to_owned()), None)
-        .unwrap();
+    let _ = mesh.cut(&UP, 0.1, &level("2x-finer")).unwrap();
     for (format, bytes) in [("obj", mesh.to_obj()), ("GLB", mesh.to_glb())] {
         let read = Mesh::from_bytes(&bytes.unwrap(), format).unwrap();
         assert_eq!(read.triangle_count(), mesh.triangle_count(), "{format}");
@@ -82,14 +85,15 @@ fn hostile_arrays_and_files_are_errors() {
 fn hostile_planes_are_errors_or_misses() {
     let mut mesh = Mesh::model("Sphere80").unwrap();
     for normal in [[0.0; 3], [f64::NAN; 3], [f64::INFINITY; 3]] {
-        assert!(mesh.cut(&normal, 0.0, None, None).is_err());
+        assert!(mesh.cut(&normal, 0.0, &Value::None).is_err());
     }
-    assert!(mesh.cut(&UP[..2], 0.0, None, None).is_err());
-    assert!(mesh.cut(&UP, f64::NAN, None, None).is_err());
+    assert!(mesh.cut(&UP[..2], 0.0, &Value::None).is_err());
+    assert!(mesh.cut(&UP, f64::NAN, &Value::None).is_err());
     for name in ["0", "nan", "-1", ""] {
-        assert!(mesh.cut(&UP, 0.0, Some(name.to_owned()), None).is_err());
+        assert!(mesh.cut(&UP, 0.0, &level(name)).is_err());
     }
-    assert!(mesh.cut(&UP, 0.0, None, Some("none".to_owned())).is_err());
-    assert!(mesh.cut(&UP, 1e300, None, None).unwrap().is_miss);
+    let method = Value::Map(vec![("method".to_owned(), Value::from("none"))]);
+    assert!(mesh.cut(&UP, 0.0, &method).is_err());
+    assert!(mesh.cut(&UP, 1e300, &Value::None).unwrap().is_miss);
     assert_eq!((mesh.undo_count(), mesh.triangle_count()), (0, 80));
 }

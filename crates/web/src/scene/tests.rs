@@ -1,13 +1,25 @@
 use super::*;
 use crate::mesh::Mesh;
 
+/// Returns a parameter by name.
+fn value(name: &str, value: Value) -> Value {
+    Value::Map(vec![(name.to_owned(), value)])
+}
+
+/// Returns gravity along y.
+fn gravity(y: f64) -> Value {
+    value(
+        "gravity",
+        Value::List([0.0, y, 0.0].map(Value::Number).to_vec()),
+    )
+}
+
 /// Returns a scene without gravity that holds a sphere and a blade in front of it.
 fn scene() -> (Scene, f64, f64) {
     let mut scene = Scene::new();
-    scene.set_gravity(0.0, 0.0, 0.0).unwrap();
-    let body = scene
-        .add_body(&Mesh::model("Sphere768").unwrap(), None)
-        .unwrap();
+    scene.set(&gravity(0.0)).unwrap();
+    let ball = Mesh::model("Sphere768").unwrap();
+    let body = scene.add_body(&ball, &Value::None).unwrap();
     let blade = scene.add_blade(&[-2.0, 0.0, -2.0, -2.0, 0.0, 2.0]).unwrap();
     (scene, body.into(), blade.into())
 }
@@ -96,16 +108,26 @@ fn unknown_numbers_and_hostile_values_are_errors() {
     let nan = [f32::NAN; 6];
     assert!(scene.move_blade(blade, &nan).is_err() && scene.teleport_blade(blade, &nan).is_err());
     assert!(scene.add_blade(&nan).is_err());
-    for bad in [f32::NAN, f32::INFINITY] {
-        assert!(scene.set_dt(bad).is_err() && scene.set_floor(Some(bad)).is_err());
-        assert!(scene.set_gravity(0.0, bad, 0.0).is_err());
-        assert!(scene.set_substeps(bad.into()).is_err());
+    for bad in [f64::NAN, f64::INFINITY] {
+        for name in ["dt", "ground", "substeps"] {
+            assert!(
+                scene.set(&value(name, Value::Number(bad))).is_err(),
+                "{name}"
+            );
+        }
+        assert!(scene.set(&gravity(bad)).is_err());
     }
     for bad in [-1.0, 0.0, 0.5] {
-        assert!(scene.set_substeps(bad).is_err() && scene.set_iterations(bad).is_err());
+        for name in ["substeps", "iterations"] {
+            assert!(
+                scene.set(&value(name, Value::Number(bad))).is_err(),
+                "{name}"
+            );
+        }
     }
-    assert_eq!((scene.substeps(), scene.floor()), (16, None));
-    scene.set_substeps(1.0).unwrap();
+    assert_eq!(scene.get("substeps").unwrap(), Value::Count(16));
+    assert_eq!(scene.get("ground").unwrap(), Value::None);
+    scene.set(&value("substeps", Value::Count(1))).unwrap();
     scene.step().unwrap();
     assert!(scene.failed_cuts().is_empty());
     scene.remove_body(body).unwrap();
@@ -116,16 +138,31 @@ fn unknown_numbers_and_hostile_values_are_errors() {
 #[test]
 fn parameters_are_read_back() {
     let mut scene = Scene::new();
-    scene.set_floor(Some(-0.5)).unwrap();
-    scene.set_level("2x-finer").unwrap();
-    scene.set_method("paper").unwrap();
-    assert_eq!(scene.floor(), Some(-0.5));
+    let paper = ("method".to_owned(), Value::from("paper"));
+    let values = [
+        ("ground".to_owned(), Value::Number(-0.5)),
+        ("level".to_owned(), Value::from("2x-finer")),
+        ("threads".to_owned(), Value::Count(4)),
+        paper.clone(),
+    ];
+    scene.set(&Value::Map(values.to_vec())).unwrap();
+    assert_eq!(scene.get("ground").unwrap(), Value::Number(-0.5));
+    assert_eq!(scene.get("level").unwrap(), Value::from("2x-finer"));
+    assert_eq!(scene.get("threads").unwrap(), Value::Count(1));
+    let before = scene.get("method").unwrap();
+    for bad in [
+        value("level", Value::from("finest")),
+        value("method", Value::from("")),
+        value("floor", Value::Number(0.0)),
+        Value::Map(vec![("snap".to_owned(), Value::Number(0.2)), paper]),
+    ] {
+        assert!(scene.set(&bad).is_err(), "{bad}");
+    }
     assert_eq!(
-        (scene.level().as_str(), scene.method().as_str()),
-        ("2x-finer", "paper")
+        scene.get("method").unwrap(),
+        before,
+        "an error changes nothing"
     );
-    assert!(scene.set_level("finest").is_err() && scene.set_method("").is_err());
-    assert_eq!(scene.method(), "paper", "an error changes nothing");
 }
 
 #[test]
@@ -133,7 +170,7 @@ fn a_loaded_scene_has_the_numbers_of_the_saved_one_and_its_bits() {
     let (mut scene, body, blade) = scene();
     scene.remove_body(body).unwrap();
     let ball = Mesh::model("Sphere80").unwrap();
-    let body = f64::from(scene.add_body(&ball, None).unwrap());
+    let body = f64::from(scene.add_body(&ball, &Value::None).unwrap());
     scene.move_blade(blade, &BEHIND).unwrap();
     scene.step().unwrap();
     let mut loaded = Scene::from_bytes(&scene.save().unwrap()).unwrap();
@@ -149,10 +186,13 @@ fn a_loaded_scene_has_the_numbers_of_the_saved_one_and_its_bits() {
     }
     let positions = |scene: &Scene| scene.mesh(body).unwrap().surface().positions().to_vec();
     assert_eq!(positions(&scene), positions(&loaded));
-    assert_eq!(f64::from(loaded.add_body(&ball, None).unwrap()), body + 1.0);
+    assert_eq!(
+        f64::from(loaded.add_body(&ball, &Value::None).unwrap()),
+        body + 1.0
+    );
     loaded.remove_body(body + 1.0).unwrap();
     let mut again = Scene::from_bytes(&loaded.save().unwrap()).unwrap();
-    let next = f64::from(again.add_body(&ball, None).unwrap());
+    let next = f64::from(again.add_body(&ball, &Value::None).unwrap());
     assert_eq!(
         next,
         body + 2.0,

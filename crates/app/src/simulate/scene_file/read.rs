@@ -1,12 +1,14 @@
 //! Reads scene files: syntax, paths, and errors with lines.
 
-use super::material::Preset;
 use super::{SceneFile, Source};
 use crate::failure::Failure;
 use crate::input::resolve;
-use incise_pbd_gpu::ConstraintError;
+use incise_params::{ParamError, Params};
+use incise_pbd_gpu::Material;
+use incise_scene::SceneParams;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
+use toml::de::{DeTable, DeValue};
 
 /// A reason why a file is not a scene.
 #[derive(Debug, thiserror::Error)]
@@ -28,7 +30,7 @@ pub(crate) enum SceneFileError {
     /// A body's material is neither defined nor a preset.
     #[error(
         "line {line}: there is no material {name}; define [materials.{name}], or use one of {}",
-        Preset::names()
+        Material::PRESETS.join(", ")
     )]
     UnknownMaterial {
         /// The line.
@@ -36,13 +38,13 @@ pub(crate) enum SceneFileError {
         /// The name.
         name: String,
     },
-    /// A number of a material is out of range.
+    /// A parameter has another type, is out of range or unknown.
     #[error("line {line}: {source}")]
-    Material {
-        /// The line of the material.
+    Parameter {
+        /// The line of the parameter.
         line: usize,
-        /// The number.
-        source: ConstraintError,
+        /// The reason.
+        source: ParamError,
     },
     /// A collider has no shape.
     #[error(
@@ -137,6 +139,28 @@ impl SceneFile {
         Some(line_of(&source.text, value.span().start))
     }
 
+    /// Returns the failure of a parameter of the scene.
+    pub(in crate::simulate) fn refuse_parameter(&self, source: ParamError) -> Failure {
+        if self.source.is_none() {
+            return Failure::Parameter(source);
+        }
+        let line = self.line_of_key(&source.name()).unwrap_or_default();
+        self.refuse(SceneFileError::Parameter { line, source })
+    }
+
+    /// Returns the line of a key: a dotted one, or the name of a parameter of the scene.
+    pub(in crate::simulate) fn line_of_key(&self, name: &str) -> Option<usize> {
+        let text = &self.source.as_ref()?.text;
+        let table = DeTable::parse(text).ok()?;
+        let mut keys = Vec::new();
+        append_keys(&mut keys, "", table.get_ref());
+        let full = |name: &str| incise_params::resolve(SceneParams::FIELDS, name).ok();
+        let is_meant = |key: &str| full(key).is_some_and(|key| key == name);
+        let exact = keys.iter().find(|(key, _)| key == name);
+        let (_, start) = exact.or_else(|| keys.iter().find(|(key, _)| is_meant(key)))?;
+        Some(line_of(text, *start))
+    }
+
     /// Returns the path of the file; empty for a scene made of options.
     pub(in crate::simulate) fn path(&self) -> PathBuf {
         let path = self.source.as_ref().map(|source| source.path.clone());
@@ -147,6 +171,20 @@ impl SceneFile {
     pub(in crate::simulate) fn refuse(&self, source: SceneFileError) -> Failure {
         let path = self.path();
         Failure::SceneFile { path, source }
+    }
+}
+
+/// Appends all dotted keys of a table and their first bytes.
+fn append_keys(keys: &mut Vec<(String, usize)>, prefix: &str, table: &DeTable<'_>) {
+    for (key, value) in table {
+        let name = match prefix {
+            "" => key.get_ref().to_string(),
+            prefix => format!("{prefix}.{}", key.get_ref()),
+        };
+        keys.push((name.clone(), key.span().start));
+        if let DeValue::Table(inner) = value.get_ref() {
+            append_keys(keys, &name, inner);
+        }
     }
 }
 

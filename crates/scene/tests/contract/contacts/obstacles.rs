@@ -187,9 +187,8 @@ fn a_thickness_out_of_range_is_an_error() {
             contacts: Some(contacts),
             ..SceneParams::default()
         });
-        assert!(matches!(
-            scene.step(),
-            Err(SceneError::InvalidContactThickness { .. })
-        ));
+        let error = scene.step().unwrap_err().to_string();
+        let range = "it must be above 0 and at most 100";
+        assert_eq!(error, format!("contacts.thickness is {thickness}; {range}"));
     }
 }

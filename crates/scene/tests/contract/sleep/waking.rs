@@ -124,11 +124,7 @@ fn an_invalid_frame_wakes_no_body() {
     ] {
         scene.params = bad;
         let error = scene.step().unwrap_err();
-        let is_typed = matches!(
-            error,
-            SceneError::Frame(_) | SceneError::InvalidSleepParams { .. }
-        );
-        assert!(is_typed, "{error}");
+        assert!(matches!(error, SceneError::Parameter(_)), "{error}");
         assert!(
             ids.iter().all(|&id| scene.is_asleep(id).unwrap()),
             "after {error}"

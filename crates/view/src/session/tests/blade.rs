@@ -13,10 +13,9 @@ fn full_slices() -> Settings {
 #[test]
 fn held_blade_cuts_when_it_leaves_the_body() {
     let mut s = session();
-    s.apply(Command::Set(Settings {
-        gravity: false,
-        ..full_slices()
-    }));
+    let mut settings = full_slices();
+    settings.scene.solver.gravity = [0.0; 3];
+    s.apply(Command::Set(settings));
     let edge = |x: f32| [[x, 0.02, -2.0], [x, 0.02, 2.0]];
     let mut cuts = Vec::new();
     for i in -5..=5_i16 {
@@ -107,13 +106,12 @@ fn stroke(s: &mut Session, end: f32) {
 }
 
 /// A session without gravity, whose held blade is progressive.
-fn floating(method: Method) -> Session {
+fn floating(method: CutMethod) -> Session {
     let mut s = session();
-    s.apply(Command::Set(Settings {
-        gravity: false,
-        method,
-        ..Settings::default()
-    }));
+    let mut settings = Settings::default();
+    settings.scene.solver.gravity = [0.0; 3];
+    settings.scene.cut.method = method;
+    s.apply(Command::Set(settings));
     s
 }
 
@@ -123,7 +121,7 @@ fn volume(session: &Session) -> f64 {
 
 #[test]
 fn progressive_blade_cuts_as_it_moves_and_stops_inside() {
-    let mut s = floating(Method::Exact);
+    let mut s = floating(CutMethod::default());
     let whole = (s.fingerprint().unwrap(), volume(&s));
     let mut cuts = 0;
     for i in -7..=1_i16 {
@@ -155,7 +153,10 @@ fn progressive_blade_cuts_as_it_moves_and_stops_inside() {
 
 #[test]
 fn progressive_blade_goes_on_through_the_body_and_parts_it() {
-    for method in [Method::Exact, Method::Paper] {
+    for method in [
+        CutMethod::default(),
+        CutMethod::Paper(PaperParams::default()),
+    ] {
         let mut s = floating(method);
         stroke(&mut s, 0.8);
         assert_eq!((pieces(&s), s.undo_count()), (2, 1), "{method:?}");
@@ -168,7 +169,7 @@ fn progressive_blade_goes_on_through_the_body_and_parts_it() {
 
 #[test]
 fn strokes_are_undone_and_redone_to_the_same_bits() {
-    let mut s = floating(Method::Exact);
+    let mut s = floating(CutMethod::default());
     let state = |s: &Session| {
         let surface = s.surface();
         let places = surface.positions().iter().map(|p| [p[0], p[1], p[2]]);
@@ -196,7 +197,7 @@ fn strokes_are_undone_and_redone_to_the_same_bits() {
 
 #[test]
 fn undo_during_a_stroke_lifts_the_blade() {
-    let mut s = floating(Method::Exact);
+    let mut s = floating(CutMethod::default());
     stroke(&mut s, 0.0);
     s.apply(Command::Undo);
     assert_eq!((s.held_blade(), pieces(&s)), (None, 1));

@@ -5,10 +5,8 @@ use incise_cut::Caps;
 
 /// Returns a session with these caps after a slice through the body.
 fn sliced(caps: Caps) -> Session {
-    let settings = Settings {
-        caps,
-        ..Settings::default()
-    };
+    let mut settings = Settings::default();
+    settings.scene.cut.caps = caps;
     let scene = Scene::new(SceneParams::default());
     let mut session = Session::with_settings(icosphere(2, 0.5), scene, settings).unwrap();
     session.apply(across(0.05));
@@ -37,6 +35,6 @@ fn recordings_keep_the_caps() {
         let mut file = Vec::new();
         sliced(caps).recording().write(&mut file).unwrap();
         let read = Recording::read(file.as_slice()).unwrap();
-        assert_eq!(read.settings().caps, caps);
+        assert_eq!(read.settings().scene.cut.caps, caps);
     }
 }
