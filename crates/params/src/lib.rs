@@ -27,7 +27,7 @@ pub mod macros {
     pub use crate::parameter::{set_map, set_part};
     #[cfg(feature = "serde")]
     pub use crate::serialize::{deserialize_value, next, variant_number};
-    pub use crate::variants::{alternative, set_variant};
+    pub use crate::variants::{alternative, set_variant, split_alternative};
     #[cfg(feature = "serde")]
     pub use serde;
 }

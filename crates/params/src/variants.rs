@@ -130,7 +130,7 @@ macro_rules! variants {
                 path: &str,
                 value: &$crate::Value,
             ) -> ::core::result::Result<(), $crate::ParamError> {
-                let (head, rest) = $crate::macros::split(path);
+                let (head, rest) = $crate::macros::split_alternative(path, Self::VARIANTS);
                 match head {
                     $($unit_text => {
                         *self = Self::$unit;
@@ -214,6 +214,18 @@ pub fn alternative<'a>(
         }
         _ => Err(wrong()),
     }
+}
+
+/// Returns the alternative at the begin of a dotted name, whose own name may have dots, and the
+/// rest.
+#[must_use]
+pub fn split_alternative<'a>(path: &'a str, variants: &[Field]) -> (&'a str, &'a str) {
+    let rest = |variant: &Field| match path.strip_prefix(variant.name)? {
+        "" => Some((path, "")),
+        rest => Some((&path[..variant.name.len()], rest.strip_prefix('.')?)),
+    };
+    let found = variants.iter().find_map(rest);
+    found.unwrap_or((path, ""))
 }
 
 /// Sets the value of an alternative or a part of it; none leaves it as it is.

@@ -33,6 +33,8 @@ incise_params::variants! {
     names {
         /// As long.
         Original = "original";
+        /// Two thirds.
+        Finer1_5 = "1.5x-finer";
         /// Half.
         Finer2 = "2x-finer";
     }
@@ -203,12 +205,12 @@ fn values_are_set_by_name() {
         ("ground", Value::None),
         ("bending", Value::parse("none")),
         ("contacts.enabled", Value::Flag(false)),
-        ("level", Value::from("2x-finer")),
+        ("level", Value::from("1.5x-finer")),
     ] {
         off.set(name, &value).unwrap();
     }
     assert_eq!((off.ground, off.bending, off.contacts), (None, None, None));
-    assert_eq!(off.level, Level::Finer2);
+    assert_eq!(off.level, Level::Finer1_5);
 }
 
 #[test]
@@ -298,7 +300,7 @@ fn refusals_name_the_parameter_and_the_range() {
         (
             "level",
             Value::from("fine"),
-            "level is 'fine'; it must be one of original, 2x-finer, ",
+            "level is 'fine'; it must be one of original, 1.5x-finer, 2x-finer, ",
         ),
         (
             "contacts",
@@ -343,6 +345,8 @@ mod serialized {
     #[derive(Serialize, Deserialize)]
     enum DerivedLevel {
         Original,
+        #[expect(dead_code, reason = "the variants are numbered")]
+        Finer1_5,
         Finer2,
         Z(f64),
     }
