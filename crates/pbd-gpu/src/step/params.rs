@@ -18,8 +18,8 @@ incise_params::params! {
     pub struct SolverParams {
         /// Projections of every constraint per substep, usually 1 to 20.
         ///
-        /// Contacts and volumes have up to eight projections each where heavy pieces press thin
-        /// ones, see [`Press`](crate::Press).
+        /// Contacts and volumes have up to 24 projections each where heavy pieces press thin ones,
+        /// see [`Press`](crate::Press).
         iterations: u32 = 1, range: Self::COUNTS;
         /// Minimum substeps per frame, usually 1 to 20. They stiffen a body more than as many
         /// iterations.
