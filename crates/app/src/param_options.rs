@@ -1,7 +1,9 @@
 //! [`ParamOptions`]: options of the command line for the parameters of a library.
 
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
-use incise_params::{Field, Kind, ParamError, Parameter, Params, Value, all_fields, short_name};
+use incise_params::{
+    Field, Kind, ParamError, Parameter, Params, Range, Value, all_fields, short_name,
+};
 use std::marker::PhantomData;
 
 /// A choice of parameters for options.
@@ -140,6 +142,11 @@ fn help(field: &Field) -> String {
     if let Kind::Variants(variants) = *field.kind.inner() {
         let names: Vec<&str> = variants.iter().map(|variant| variant.name).collect();
         help += &format!(" One of {}.", names.join(", "));
+    }
+    if matches!(field.kind.inner(), Kind::Number | Kind::Count) && field.range != Range::FINITE {
+        let range = field.range.to_string();
+        let range = range.replace("a finite number ", "").replace("of at", "at");
+        help += &format!(" Range: {range}.");
     }
     if !field.unit.is_empty() {
         help += &format!(" [{}]", field.unit);

@@ -92,7 +92,7 @@ fn a_wrong_command_line_exits_with_2_and_a_wrong_input_with_1() {
     for level in ["0", "-1"] {
         let (code, _, error) = cut(&input, &output, &["--plane", "1,0,0,0", "--level", level]);
         assert_eq!(code, Some(2), "{error}");
-        assert!(error.contains("is not a refinement level"), "{error}");
+        assert!(error.contains("level.z is"), "{error}");
     }
     assert_eq!(
         code(&["--plane", "1,0,0,0", "--to", "0,0,0,1,1,1"]),
@@ -369,7 +369,7 @@ fn help_and_report_describe_snapping() {
         "--method",
         "exact",
         "paper",
-        "0 up to, not including, 0.5",
+        "at least 0 and below 0.5",
         "diagonal from",
         "--max-triangles",
         "default: 0.1",

@@ -155,7 +155,7 @@ fn refusals_name_the_reason() {
         &["fill", "open.obj", "-o", "out.obj", "--level", "0"],
         2,
     );
-    assert!(error.contains("is not a refinement level"), "{error}");
+    assert!(error.contains("level.z is 0; it must be"), "{error}");
     let error = refusal(&folder, &["fill", "open.obj", "-o", "out.3mf"], 2);
     assert!(
         error.contains("out.3mf") && error.contains(".ply"),

@@ -3,7 +3,7 @@
 use super::CutParams;
 use crate::status::Error;
 use incise::pbd::{self, Density, InteriorSprings, Stiffness, Volume};
-use incise::scene::{self, BackendChoice, BladeMode, ContactParams};
+use incise::scene::{self, BackendChoice, BladeMode};
 use std::num::NonZeroUsize;
 
 /// Steps all bodies on the CPU.
@@ -78,10 +78,9 @@ impl From<&scene::SceneParams> for SceneParams {
 impl SceneParams {
     /// Returns the parameters of the library; those that the struct does not have are of `base`.
     pub(crate) fn check(&self, base: scene::SceneParams) -> Result<scene::SceneParams, Error> {
-        let contacts = ContactParams {
-            thickness: self.contact_thickness,
-            self_collision: flag(self.self_collision, "self_collision")?,
-        };
+        let mut contacts = base.contacts.unwrap_or_default();
+        contacts.thickness = self.contact_thickness;
+        contacts.self_collision = flag(self.self_collision, "self_collision")?;
         let sleep = base.sleep.unwrap_or_default();
         let params = scene::SceneParams {
             dt: self.dt,
@@ -335,6 +334,7 @@ impl Collider {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use incise::scene::ContactParams;
 
     #[test]
     fn defaults_are_those_of_the_libraries() {
