@@ -345,7 +345,6 @@ mod serialized {
     #[derive(Serialize, Deserialize)]
     enum DerivedLevel {
         Original,
-        #[expect(dead_code, reason = "the variants are numbered")]
         Finer1_5,
         Finer2,
         Z(f64),
