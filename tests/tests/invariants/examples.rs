@@ -10,9 +10,10 @@ const LIBRARIES: [&str; 9] = [
 /// Bindings for other languages, whose READMEs begin with code in these.
 const BINDINGS: [&str; 3] = ["ffi", "python", "web"];
 /// Programs, and crates that only this workspace uses.
-const OTHERS: [&str; 6] = [
+const OTHERS: [&str; 7] = [
     "app",
     "bench",
+    "params",
     "progress",
     "reference",
     "sparse",

@@ -32,7 +32,7 @@ fn invalid_input_is_an_error() {
     refused(
         &["--plane", "1,0,0,0", "--method", "paper", "--snap", "0.1"],
         2,
-        "cannot be combined with",
+        "snap has no meaning with 'paper'",
     );
     refused(&["-o", "a.jpg"], 2, "only .png");
     refused(&["-o", "none/such/folder.png"], 3, "folder.png");

@@ -127,8 +127,14 @@ fn numbers_out_of_range_are_refused() {
             "--seconds 1 --plane 1,0,0,0 --at -1",
             "'-1' is not 0, a pos",
         ),
-        ("--seconds 1 --substeps -2", "'-2' is not a whole number"),
-        ("--seconds 1 --iterations 0", "'0' is not a whole number"),
+        (
+            "--seconds 1 --substeps -2",
+            "solver.substeps is -2; it must be from 1 to",
+        ),
+        (
+            "--seconds 1 --iterations 0",
+            "solver.iterations is 0; it must be from 1 to",
+        ),
         (
             "--seconds 1 --fps -1",
             "'-1' is not a whole number from 1 to 65535",

@@ -125,6 +125,8 @@ pub(crate) fn a_panel_that_is_too_high(display: &Display) {
         "the wheel over the panel does not change the view"
     );
     wheel(&driver, over, false, 80);
+    // A control beneath the pointer is explained by a tooltip.
+    driver.input(MOTION_NOTIFY_EVENT, 0, [20, 20]);
     driver.wait(|driver| {
         let now = driver.columns(driver.view_width(), PANEL);
         (now.difference(&first) < CHANGING_PIXELS).then_some(())

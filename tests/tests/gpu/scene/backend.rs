@@ -214,7 +214,7 @@ fn wrong(context: Context) {
     scene.step().unwrap();
     scene.params.dt = 0.0;
     let error = scene.step().unwrap_err();
-    assert!(matches!(error, SceneError::Frame(_)), "{error}");
+    assert!(matches!(error, SceneError::Parameter(_)), "{error}");
     scene.params = params();
     scene.params.solver.integrator = Integrator::Bdf2;
     let error = scene.step().unwrap_err();
