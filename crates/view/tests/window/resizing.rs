@@ -105,6 +105,9 @@ fn panel(driver: &mut WindowDriver) -> Screenshot {
 pub(crate) fn a_panel_that_is_too_high(display: &Display) {
     let (mut driver, _folder) = paused(display);
     let over = [driver.view_width() + PANEL / 2, 400];
+    // A control beneath the pointer is explained by a tooltip, which covers others.
+    let beside = [20, 20];
+    driver.input(MOTION_NOTIFY_EVENT, 0, beside);
     let (first, view) = (panel(&mut driver), driver.view());
     wheel(&driver, over, true, 10);
     driver.wait(|driver| {
@@ -125,8 +128,7 @@ pub(crate) fn a_panel_that_is_too_high(display: &Display) {
         "the wheel over the panel does not change the view"
     );
     wheel(&driver, over, false, 80);
-    // A control beneath the pointer is explained by a tooltip.
-    driver.input(MOTION_NOTIFY_EVENT, 0, [20, 20]);
+    driver.input(MOTION_NOTIFY_EVENT, 0, beside);
     driver.wait(|driver| {
         let now = driver.columns(driver.view_width(), PANEL);
         (now.difference(&first) < CHANGING_PIXELS).then_some(())

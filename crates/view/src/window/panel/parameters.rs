@@ -103,10 +103,7 @@ impl<P: Params + Clone> Controls<'_, P> {
         let Range { min, max, .. } = field.range;
         let is_whole = matches!(kind, Kind::Count);
         let min = if is_whole { min.max(0.0) } else { min };
-        let text = match field.unit {
-            "" => title(field.name),
-            unit => format!("{} [{unit}]", title(field.name)),
-        };
+        let text = title(field.name);
         let response = if min.is_finite() && max.is_finite() {
             let slider = Slider::new(&mut number, min..=max).text(text);
             let slider = slider.logarithmic(max > LOGARITHMIC * min.max(1.0));
@@ -233,7 +230,10 @@ fn title(name: &str) -> String {
     name.replace('_', " ")
 }
 
-/// Explains a control by the documentation of its parameter.
+/// Explains a control by unit and documentation of its parameter; units are too long for the panel.
 fn label(response: egui::Response, field: &Field) -> egui::Response {
-    response.on_hover_text(field.summary())
+    response.on_hover_text(match field.unit {
+        "" => field.summary(),
+        unit => format!("[{unit}] {}", field.summary()),
+    })
 }
