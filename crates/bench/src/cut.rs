@@ -33,7 +33,7 @@ pub(crate) struct CutArguments {
     #[command(flatten)]
     models: ModelArguments,
     /// Move a blade on through bodies of 30,000 triangles, one mean edge length a step: Armadillo,
-    /// Sphere30000 and Torus30000, or those that --only names.
+    /// Sphere30000 and Torus30000, or the selection of --only.
     #[arg(long, conflicts_with_all = ["method", "planes", "max_triangles", "cuts"])]
     progressive: bool,
     /// Total number of steps over ten bodies, which are validated now and then and replaced when

@@ -37,7 +37,7 @@ macro_rules! choices {
         )+}
 
         impl $name {
-            /// Names of all variants, also of those that need a feature.
+            /// Names of all variants, whether their features are enabled or not.
             pub const NAMES: &'static [&'static str] = &[$($text),+];
 
             /// Returns the name in files and other languages.

@@ -75,7 +75,7 @@ pub(super) struct SceneOptions {
     params: ParamOptions<SceneOptionSet>,
 }
 
-/// The parameters of a scene, except for those that are options of their own.
+/// The parameters of a scene without an option of their own.
 #[derive(Debug)]
 struct SceneOptionSet;
 

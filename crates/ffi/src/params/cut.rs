@@ -77,7 +77,7 @@ impl From<&cut::CutParams> for CutParams {
 }
 
 impl CutParams {
-    /// Returns the parameters of the library; those that the struct does not have are of `base`.
+    /// Returns the parameters of the library; `base` has the ones without a field here.
     pub(crate) fn check(&self, base: cut::CutParams) -> Result<cut::CutParams, Error> {
         let Self { snap, remesh, .. } = *self;
         let params = cut::CutParams {

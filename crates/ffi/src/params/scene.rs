@@ -76,7 +76,7 @@ impl From<&scene::SceneParams> for SceneParams {
 }
 
 impl SceneParams {
-    /// Returns the parameters of the library; those that the struct does not have are of `base`.
+    /// Returns the parameters of the library; `base` has the ones without a field here.
     pub(crate) fn check(&self, base: scene::SceneParams) -> Result<scene::SceneParams, Error> {
         let mut contacts = base.contacts.unwrap_or_default();
         contacts.thickness = self.contact_thickness;

@@ -6,7 +6,7 @@ use incise_params::{Field, Kind, Params, Range, Value};
 /// Ratio of the bounds above which a slider is logarithmic.
 const LOGARITHMIC: f64 = 1000.0;
 
-/// Draws the controls of all parameters but some, and sets those that change within their ranges.
+/// Draws a control per parameter outside `skip`, and applies changes within their ranges.
 pub(super) fn show<P: Params + Clone>(ui: &mut Ui, params: &mut P, prefix: &str, skip: &[&str]) {
     let mut controls = Controls {
         params: params.clone(),
