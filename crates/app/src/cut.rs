@@ -3,7 +3,7 @@
 mod print;
 
 use crate::blade_path::BladePath;
-use crate::clock::{milliseconds, timed};
+use crate::clock::timed;
 use crate::cut_options::{CutOptions, CutPlan};
 use crate::failure::Failure;
 use crate::input::{InputOptions, boundary_edges, closed_volume, file_bounds};
@@ -11,6 +11,7 @@ use crate::json::{all_lossy, lossy};
 use crate::pieces::{OutputOptions, Piece};
 use crate::reporter::Reporter;
 use crate::stroke::{CutSums, cut_along_path};
+use incise_cut::CutReport;
 use incise_mesh::geometry::is_flat;
 use incise_mesh::{AngleStats, Surface, TriangleId, Warning};
 use incise_progress::Progress;
@@ -76,23 +77,20 @@ JSON report (--json), a list of reports for several inputs, lengths in the input
   caps                   curves of the cut that get caps: bodies, all-loops or none
   triangles, boundary_edges, volume
                          of the input; volume of its closed parts
-  triangles_hit, loops   triangles that the sweep crosses; 0 if it misses; loops of the section
   missed_planes          numbers of the planes that miss, from 1
-  snapped_vertices, merged_points, short_rim_edges
-                         vertices moved into the rim, points merged, rim edges left short (--snap)
-  flipped_edges, collapsed_vertices, collapsed_points, moved_surface
-                         changes by --remesh, and the largest distance that the surface moved
-  moved_volume           volume moved across the sweep by --snap and --remesh
+  cut                    counts and times [s] of the cut, see docs/parameters.md: hits, the
+                         triangles that the sweep crosses, 0 if it misses; loops, merged_points,
+                         moved_volume, seconds and others
   cap_triangles, cap_flat_triangles, cap_min_angle_deg, cap_median_angle_deg
                          triangles of the caps, those without area, their angles [degrees]
   steps, cutting_steps   with --path, else null: motions from pose to pose, and those that cut;
-                         counts and times of the cut are sums over all steps
+                         those of `cut` are sums over all steps
   tips                   with --path: vertices of the tip in the body at the end; 0 outside
   wall_triangles         with --path: triangles of the walls at the end, as cap_triangles
   pieces                 file, vertices, triangles, area, volume, cavity, boundary_edges and
                          euler_characteristic of each piece
   removed                pieces of an earlier run that were removed
-  milliseconds           time of each stage; `write` and `removed` are those of all inputs
+  seconds                time of the other stages; `write` and `removed` are those of all inputs
 
 Exit code 4: the cut misses all meshes, and the pieces are those of the uncut meshes.";
 
@@ -115,26 +113,10 @@ struct Report {
     caps: &'static str,
     /// Of closed parts of the input.
     volume: f64,
-    triangles_hit: usize,
     /// Numbers of the planes that miss, from 1.
     missed_planes: Vec<usize>,
-    loops: usize,
-    /// Vertices of the mesh that snapping moved into the rim.
-    snapped_vertices: usize,
-    /// Intersection points that snapping merged.
-    merged_points: usize,
-    /// Rim edges shorter than the snapping distance.
-    short_rim_edges: usize,
-    /// Edges that remeshing flipped.
-    flipped_edges: usize,
-    /// Vertices that remeshing contracted onto others.
-    collapsed_vertices: usize,
-    /// Rim points that remeshing merged.
-    collapsed_points: usize,
-    /// Largest distance that remeshing moved the surface, in the input's unit.
-    moved_surface: f64,
-    /// Volume moved by snapping and remeshing, in cubes of the input's unit.
-    moved_volume: f64,
+    /// Sums over all planes or steps.
+    cut: CutReport,
     cap_triangles: usize,
     /// Cap triangles without area.
     cap_flat_triangles: usize,
@@ -152,7 +134,7 @@ struct Report {
     /// Removed pieces of an earlier run.
     #[serde(serialize_with = "all_lossy")]
     removed: Vec<PathBuf>,
-    milliseconds: Times,
+    seconds: Times,
 }
 
 impl Report {
@@ -165,19 +147,11 @@ impl Report {
     }
 }
 
-/// Times of the stages \[ms\].
+/// Times of the stages beside the cut \[s\].
 #[derive(Serialize)]
 struct Times {
     read: f64,
     bvh_build: f64,
-    bvh_update: f64,
-    detection: f64,
-    split: f64,
-    remeshing: f64,
-    cap: f64,
-    refinement: f64,
-    separation: f64,
-    commit: f64,
     write: f64,
 }
 
@@ -216,7 +190,7 @@ pub(crate) fn run(
     for mesh in &mut meshes {
         mesh.report.warnings.extend_from_slice(&written.warnings);
         mesh.report.removed.clone_from(&written.removed);
-        mesh.report.milliseconds.write = milliseconds(write);
+        mesh.report.seconds.write = write.as_secs_f64();
     }
     for (i, piece) in written.pieces {
         meshes[i].report.pieces.push(piece);
@@ -232,7 +206,7 @@ pub(crate) fn run(
         })?,
     }
     if let [first, ..] = &*meshes
-        && meshes.iter().all(|mesh| mesh.report.triangles_hit == 0)
+        && meshes.iter().all(|mesh| mesh.report.cut.hits == 0)
     {
         return Err(Failure::Missed {
             path: first.report.input.clone(),
@@ -275,8 +249,7 @@ impl CutArguments {
             Some((file, blade_path)) => cut_along_path(&mut surface, blade_path, &params, file)?,
             None => cut_once(options, &mut surface, path)?,
         };
-        let counts = stroke.report;
-        if counts.hits > 0 {
+        if stroke.report.hits > 0 {
             for plane in &missed {
                 warn(&format_args!("plane {plane} misses the mesh"));
             }
@@ -300,17 +273,8 @@ impl CutArguments {
             boundary_edges,
             caps: params.caps.name(),
             volume,
-            triangles_hit: counts.hits,
             missed_planes: missed,
-            loops: counts.loops,
-            snapped_vertices: counts.snapped_vertices,
-            merged_points: counts.merged_nodes,
-            short_rim_edges: counts.short_rim_edges,
-            flipped_edges: counts.flipped_edges,
-            collapsed_vertices: counts.collapsed_vertices,
-            collapsed_points: counts.collapsed_nodes,
-            moved_surface: counts.moved_surface,
-            moved_volume: counts.moved_volume,
+            cut: stroke.report,
             cap_triangles: walls.len(),
             cap_flat_triangles: flat,
             cap_min_angle_deg: cap.min,
@@ -321,17 +285,9 @@ impl CutArguments {
             wall_triangles: blade_path.map(|_| walls.len()),
             pieces: Vec::new(),
             removed: Vec::new(),
-            milliseconds: Times {
-                read: milliseconds(read),
-                bvh_build: milliseconds(bvh_build),
-                bvh_update: milliseconds(counts.bvh_update),
-                detection: milliseconds(counts.detection),
-                split: milliseconds(counts.split),
-                remeshing: milliseconds(counts.remeshing),
-                cap: milliseconds(counts.cap),
-                refinement: milliseconds(counts.refinement),
-                separation: milliseconds(counts.separation),
-                commit: milliseconds(counts.commit),
+            seconds: Times {
+                read: read.as_secs_f64(),
+                bvh_build: bvh_build.as_secs_f64(),
                 write: 0.0,
             },
         };

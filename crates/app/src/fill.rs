@@ -52,7 +52,7 @@ Examples:
   incise fill scan.ply --fair --level 1.5x-finer -o closed.obj
 
 JSON report (--json): input, output, level, fair, triangles_before, warnings, left_open, vertices,
-triangles, closed, area, volume, milliseconds, and for each of the holes rim_edges, at, triangles,
+triangles, closed, area, volume, seconds, and for each of the holes rim_edges, at, triangles,
 inserted_vertices, planar, faired, self_crossing, flat_triangles, slivers, min_angle_deg,
 median_angle_deg, mean_edge, target.";
 
@@ -77,7 +77,7 @@ struct Report {
     area: f64,
     /// Defined for closed meshes only.
     volume: f64,
-    milliseconds: Times,
+    seconds: Times,
 }
 
 /// A warning about the input or about the filled mesh.
@@ -137,7 +137,7 @@ struct Hole {
     target: f64,
 }
 
-/// Times of the stages \[ms\].
+/// Times of the stages \[s\].
 #[derive(Serialize)]
 struct Times {
     read: f64,
@@ -197,10 +197,10 @@ pub(crate) fn run(
         closed: surface.topology().is_closed(),
         area: surface.area(),
         volume: surface.volume(),
-        milliseconds: Times {
-            read: milliseconds(read),
-            fill: milliseconds(fill),
-            write: milliseconds(write),
+        seconds: Times {
+            read: read.as_secs_f64(),
+            fill: fill.as_secs_f64(),
+            write: write.as_secs_f64(),
         },
     };
     Ok(reporter.report(&report, print)?)
@@ -301,10 +301,12 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
         counted(report.triangles, "triangle"),
         report.area
     )?;
-    let t = &report.milliseconds;
+    let t = &report.seconds;
     writeln!(
         out,
         "  ms: read {:.2}, fill {:.2}, write {:.2}",
-        t.read, t.fill, t.write
+        milliseconds(t.read),
+        milliseconds(t.fill),
+        milliseconds(t.write)
     )
 }

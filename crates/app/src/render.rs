@@ -54,8 +54,8 @@ Examples:
   incise render scan.ply --wireframe -o scan.png
   incise render Armadillo --plane 0.45,1,0.35,0.06 --explode 0.12 --level 2x-coarser -o cut.png
 
-JSON report (--json): inputs, warnings, output, width, height, device, samples, triangles_hit,
-pieces, triangles, cap_triangles, milliseconds.
+JSON report (--json): inputs, warnings, output, width, height, device, samples, hits,
+pieces, triangles, cap_triangles, seconds.
 
 Exit code 4: the cut misses every mesh; the uncut meshes are drawn.";
 
@@ -96,15 +96,15 @@ struct Report {
     /// Samples per pixel.
     samples: u32,
     /// Triangles that the sweep crosses; none without a cut.
-    triangles_hit: Option<usize>,
+    hits: Option<usize>,
     pieces: usize,
     /// Visible triangles, caps included.
     triangles: usize,
     cap_triangles: usize,
-    milliseconds: Times,
+    seconds: Times,
 }
 
-/// Times of the stages \[ms\].
+/// Times of the stages \[s\].
 #[derive(Serialize)]
 struct Times {
     /// Time of reading and cutting.
@@ -168,15 +168,15 @@ pub(crate) fn run(
         height: picture.height(),
         device: context.adapter().name.clone(),
         samples,
-        triangles_hit: bodies.hits,
+        hits: bodies.hits,
         pieces: bodies.pieces(),
         triangles,
         cap_triangles,
-        milliseconds: Times {
-            prepare: milliseconds(prepare),
-            open: milliseconds(open),
-            draw: milliseconds(draw),
-            write: milliseconds(write),
+        seconds: Times {
+            prepare: prepare.as_secs_f64(),
+            open: open.as_secs_f64(),
+            draw: draw.as_secs_f64(),
+            write: write.as_secs_f64(),
         },
     };
     reporter.report(&report, print)?;
@@ -252,10 +252,14 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
         report.cap_triangles,
         counted(report.pieces, "piece")
     )?;
-    let t = &report.milliseconds;
+    let t = &report.seconds;
     writeln!(
         out,
         "  {}; ms: prepare {:.2}, open {:.2}, draw {:.2}, write {:.2}",
-        report.device, t.prepare, t.open, t.draw, t.write
+        report.device,
+        milliseconds(t.prepare),
+        milliseconds(t.open),
+        milliseconds(t.draw),
+        milliseconds(t.write)
     )
 }

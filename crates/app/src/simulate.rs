@@ -15,7 +15,7 @@ mod scene_file;
 
 pub(crate) use scene_file::SceneFileError;
 
-use crate::clock::{milliseconds, timed};
+use crate::clock::timed;
 use crate::failure::Failure;
 use crate::pieces::{self, Written};
 use crate::reporter::Reporter;
@@ -72,11 +72,11 @@ Examples:
       --volume --interior-springs 1 --plane 1,0,0.1,0 --at 0.2 --plane 0,0.1,1,0 --at 0.4 -o pieces
 
 JSON report (--json): inputs (file and warnings of each), backend, device, fallback_reason, frames,
-dt, iterations, substeps, triangles_hit, refused_cuts and missed_cuts (a message for every cut that
+dt, iterations, substeps, hits, refused_cuts and missed_cuts (a message for every cut that
 could not be made, and for every plane and blade that hit nothing), steps, cutting_steps (with
 --path, else null: motions of the blade, and those that cut), pieces (body, which is the index of
 its input, file, vertices, triangles, area, volume, cavity, boundary_edges and euler_characteristic
-of each), removed, milliseconds.
+of each), removed, seconds.
 
 Exit code 4: the cuts miss all bodies or cannot be made, and the pieces are those of the uncut
 bodies.";
@@ -174,7 +174,7 @@ pub(crate) fn run(
         dt: file.dt,
         iterations: params.solver.iterations,
         substeps: params.solver.substeps,
-        triangles_hit: (!knife.is_empty()).then_some(knife.triangles_hit),
+        hits: (!knife.is_empty()).then_some(knife.hits),
         refused_cuts: knife.refusals.clone(),
         missed_cuts: knife.misses().collect(),
         steps: knife.steps(),
@@ -183,20 +183,20 @@ pub(crate) fn run(
         #[cfg(feature = "gpu")]
         pictures,
         removed: written.removed,
-        milliseconds: Times {
-            simulate: milliseconds(simulate),
-            write: milliseconds(write),
+        seconds: Times {
+            simulate: simulate.as_secs_f64(),
+            write: write.as_secs_f64(),
         },
     };
     reporter.report(&report, print)?;
     if knife.is_empty() {
         return Ok(());
     }
-    if knife.triangles_hit == 0 && !knife.refusals.is_empty() {
+    if knife.hits == 0 && !knife.refusals.is_empty() {
         let path = bodies.all_paths();
         return Err(Failure::NoCut { path });
     }
-    if knife.triangles_hit == 0 {
+    if knife.hits == 0 {
         return Err(Failure::Missed {
             path: bodies.all_paths(),
             bounds: knife.bounds_at_start,

@@ -176,7 +176,7 @@ impl Exact {
             .snapper
             .snap(&mut opened, facets, exact.snap, max_volume);
         report.snapped_vertices = snapped.vertices;
-        report.merged_nodes = snapped.nodes;
+        report.merged_points = snapped.nodes;
         report.moved_volume = snapped.volume;
         report.split = begin.elapsed();
         let begin = Instant::now();
@@ -198,7 +198,7 @@ impl Exact {
         report.flipped_edges = remeshed.flips;
         report.collapsed_vertices = remeshed.vertices;
         report.moved_volume += remeshed.volume;
-        report.collapsed_nodes = remeshed.nodes;
+        report.collapsed_points = remeshed.nodes;
         report.moved_surface = remeshed.distance;
         report.short_rim_edges = Snapper::short_edges(&opened, exact.snap);
         report.remeshing = begin.elapsed();

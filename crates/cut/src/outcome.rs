@@ -2,7 +2,6 @@
 
 use incise_mesh::{TopologyDelta, TriangleId, Undo};
 use std::ops::AddAssign;
-use std::time::Duration;
 
 /// The change of a cut, or a miss.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -28,73 +27,62 @@ impl CutOutcome {
     }
 }
 
-/// Counts and times of a cut.
-///
-/// Counts of one method are 0 for the other.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[non_exhaustive]
-pub struct CutReport {
-    /// Triangles whose bounding boxes touch the sweep.
-    pub candidates: usize,
-    /// Triangles that the sweep crosses.
-    pub hits: usize,
-    /// Curves along which the sweep crosses the surface as a whole: closed ones and, in sheets,
-    /// those from boundary to boundary.
-    pub loops: usize,
-    /// Curves with an end where the sweep ends inside the body or the sheet: slits.
-    pub slits: usize,
-    /// Vertices that snapping moved into the rim (exact method).
-    pub snapped_vertices: usize,
-    /// Intersection points that snapping merged into others (exact method).
-    pub merged_nodes: usize,
-    /// Edges around the rim that remeshing flipped (exact method).
-    pub flipped_edges: usize,
-    /// Vertices beside the rim that remeshing collapsed onto others (exact method).
-    pub collapsed_vertices: usize,
-    /// Intersection points that remeshing merged into others (exact method).
-    pub collapsed_nodes: usize,
-    /// Upper bound of the displacement of the surface by remeshing \[m\] (exact method).
-    pub moved_surface: f64,
-    /// Volume moved by snapping and remeshing, without sign \[m^3\] (exact method).
-    pub moved_volume: f64,
-    /// Rim edges left shorter than [`crate::ExactParams::snap`], where a merge would change the
-    /// topology or move too much volume (exact method).
-    pub short_rim_edges: usize,
-    /// Sides of loops on which the paper's boundary would not be a manifold, so that hit triangles
-    /// were cut along the sweep instead (paper's method).
-    pub fallback_sides: usize,
-    /// Whether every cap reached its target edge length.
-    pub refined: bool,
-    /// Time of the BVH query and of the intersection.
-    pub detection: Duration,
-    /// Time of opening the surface along the rim.
-    pub split: Duration,
-    /// Time of remeshing around the rim.
-    pub remeshing: Duration,
-    /// Time of meshing the caps.
-    pub cap: Duration,
-    /// Time of refining the caps.
-    pub refinement: Duration,
-    /// Time of numbering the pieces. Their search runs beside the caps of large bodies.
-    pub separation: Duration,
-    /// Time of deriving the delta and the undo, and of checking the result near walls.
-    pub commit: Duration,
-    /// Time of updating the BVH; zero for a cutter that defers it.
-    pub bvh_update: Duration,
-}
-
-impl CutReport {
-    /// Returns the sum of all times.
-    #[must_use]
-    pub fn total(&self) -> Duration {
-        self.detection
-            + self.split
-            + self.remeshing
-            + self.commit
-            + self.cap
-            + self.refinement
-            + self.separation
-            + self.bvh_update
+incise_params::report! {
+    /// Counts and times of a cut.
+    ///
+    /// Counts of one method are 0 for the other.
+    #[derive(Debug, Clone, Copy, PartialEq, Default)]
+    #[non_exhaustive]
+    pub struct CutReport {
+        /// Triangles whose bounding boxes touch the sweep.
+        candidates: usize;
+        /// Triangles that the sweep crosses.
+        hits: usize;
+        /// Curves along which the sweep crosses the surface as a whole: closed ones and, in sheets,
+        /// those from boundary to boundary.
+        loops: usize;
+        /// Curves with an end where the sweep ends inside the body or the sheet: slits.
+        slits: usize;
+        /// Vertices that snapping moved into the rim (exact method).
+        snapped_vertices: usize;
+        /// Intersection points that snapping merged into others (exact method).
+        merged_points: usize;
+        /// Edges around the rim that remeshing flipped (exact method).
+        flipped_edges: usize;
+        /// Vertices beside the rim that remeshing collapsed onto others (exact method).
+        collapsed_vertices: usize;
+        /// Intersection points that remeshing merged into others (exact method).
+        collapsed_points: usize;
+        /// Upper bound of the displacement of the surface by remeshing (exact method).
+        moved_surface: f64, unit: "m";
+        /// Volume moved by snapping and remeshing, without sign (exact method).
+        moved_volume: f64, unit: "m^3";
+        /// Rim edges left shorter than [`crate::ExactParams::snap`], where a merge would change
+        /// the topology or move too much volume (exact method).
+        short_rim_edges: usize;
+        /// Sides of loops on which the paper's boundary would not be a manifold, so that hit
+        /// triangles were cut along the sweep instead (paper's method).
+        fallback_sides: usize;
+        /// Whether every cap reached its target edge length.
+        refined: bool;
+    }
+    seconds {
+        /// Time of the BVH query and of the intersection.
+        detection;
+        /// Time of opening the surface along the rim.
+        split;
+        /// Time of remeshing around the rim.
+        remeshing;
+        /// Time of meshing the caps.
+        cap;
+        /// Time of refining the caps.
+        refinement;
+        /// Time of numbering the pieces. Their search runs beside the caps of large bodies.
+        separation;
+        /// Time of deriving the delta and the undo, and of checking the result near walls.
+        commit;
+        /// Time of updating the BVH; zero for a cutter that defers it.
+        bvh_update;
     }
 }
 
@@ -112,10 +100,10 @@ impl AddAssign for CutReport {
         self.loops += other.loops;
         self.slits += other.slits;
         self.snapped_vertices += other.snapped_vertices;
-        self.merged_nodes += other.merged_nodes;
+        self.merged_points += other.merged_points;
         self.flipped_edges += other.flipped_edges;
         self.collapsed_vertices += other.collapsed_vertices;
-        self.collapsed_nodes += other.collapsed_nodes;
+        self.collapsed_points += other.collapsed_points;
         self.moved_surface = self.moved_surface.max(other.moved_surface);
         self.moved_volume += other.moved_volume;
         self.short_rim_edges += other.short_rim_edges;
@@ -134,6 +122,7 @@ impl AddAssign for CutReport {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::time::Duration;
 
     #[test]
     fn counts_and_times_of_steps_add_up() {

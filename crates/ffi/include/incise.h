@@ -893,6 +893,14 @@ incise_status incise_cut_result_free(incise_cut_result *result);
 incise_status incise_cut_result_report(incise_cut_result *result, incise_cut_report *out);
 
 /*
+ Writes a count or a time of a cut by name, such as `"merged_points"` or `"seconds.detection"`;
+ 1 or 0 for true and false. `docs/parameters.md` lists them.
+ */
+incise_status incise_cut_result_statistic(incise_cut_result *result,
+                                          const char *name,
+                                          double *out);
+
+/*
  Copies the cut surface with all pieces to a new mesh.
  */
 incise_status incise_cut_result_mesh(incise_cut_result *result, incise_mesh **out);
@@ -1182,6 +1190,12 @@ incise_status incise_scene_set_blade_face(incise_scene *scene, uint32_t blade, c
  A refused cut is no error, see `incise_scene_failed_cuts`. `out` may be NULL.
  */
 incise_status incise_scene_step(incise_scene *scene, incise_frame_stats *out);
+
+/*
+ Writes a counter or a time of the last frame by name, such as `"bvh_refits"` or
+ `"seconds.solver"`; 1 or 0 for true and false. `docs/parameters.md` lists them.
+ */
+incise_status incise_scene_statistic(incise_scene *scene, const char *name, double *out);
 
 /*
  Copies a line for each cut that was refused in the last frame; see `incise_mesh_warnings` for

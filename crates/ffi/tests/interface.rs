@@ -2,7 +2,7 @@
 
 use incise_c::exports::{bodies, cut, cut_result, mesh, parameters, scene};
 use incise_c::{Status, incise_live_handles};
-use std::ffi::CStr;
+use std::ffi::{CStr, CString};
 use std::mem::MaybeUninit;
 use std::path::Path;
 use std::ptr::{null, null_mut};
@@ -127,6 +127,22 @@ fn parameters_are_set_and_read_by_name() {
                 .expect("UTF-8")
                 .to_owned()
         };
+        // A value of several parts is a text that is accepted again.
+        let level = || text(c"cut.refine.level");
+        let named = level();
+        assert_eq!(set(c"cut.refine.level", c"0.7"), Status::Ok);
+        let number = CString::new(level()).expect("no NUL");
+        assert_eq!(set(c"cut.refine.level", c"original"), Status::Ok);
+        assert_eq!(level(), named);
+        assert_eq!(set(c"cut.refine.level", &number), Status::Ok);
+        assert_eq!(level().as_bytes(), number.as_bytes());
+        let statistic =
+            |name: &CStr| get(|out| scene::incise_scene_statistic(scene, name.as_ptr(), out));
+        assert_eq!(scene::incise_scene_step(scene, None), Status::Ok);
+        assert_eq!(statistic(c"cuts"), Ok(0.0));
+        assert_eq!(statistic(c"fell_back"), Ok(0.0));
+        assert!(statistic(c"seconds.total").is_ok_and(|seconds| seconds > 0.0));
+        assert_eq!(statistic(c"cats").err(), Some(Status::InvalidArgument));
         assert_eq!(text(c"scheme"), "auto");
         assert_eq!(text(c"cut.method"), "exact");
         let ball = get(|out| mesh::incise_mesh_model(c"Sphere80".as_ptr(), out)).expect("a model");

@@ -78,7 +78,7 @@ fn plain(text: &str) -> String {
                 rest = after;
             }
             None if inner.starts_with('`') => {
-                out.push_str(inner);
+                out.push_str(&inner.replace("crate::", ""));
                 rest = after;
             }
             None => {
@@ -175,7 +175,7 @@ mod tests {
     fn links_become_names() {
         for (text, expected) in [
             (
-                "See [`Volume`](crate::Volume), [`Press`] and [a page](b.md).",
+                "See [`Volume`](crate::Volume), [`crate::Press`] and [a page](b.md).",
                 "See `Volume`, `Press` and a page.",
             ),
             ("A mass [kg/m^2] of 0 to 1.", "A mass [kg/m^2] of 0 to 1."),

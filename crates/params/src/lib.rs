@@ -6,6 +6,7 @@ mod field;
 mod names;
 mod parameter;
 mod range;
+mod report;
 mod structs;
 mod value;
 mod variants;
@@ -18,6 +19,7 @@ pub use field::{Field, Kind};
 pub use names::{all_fields, resolve, short_name};
 pub use parameter::{Parameter, Params};
 pub use range::Range;
+pub use report::Report;
 pub use value::Value;
 
 /// Items that the macros use.
@@ -25,6 +27,7 @@ pub use value::Value;
 pub mod macros {
     pub use crate::names::split;
     pub use crate::parameter::{set_map, set_part};
+    pub use crate::report::seconds;
     #[cfg(feature = "serde")]
     pub use crate::serialize::{deserialize_value, next, variant_number};
     pub use crate::variants::{alternative, set_variant, split_alternative};

@@ -295,7 +295,7 @@ macro_rules! whole {
     )+};
 }
 
-whole!(u32, usize);
+whole!(u32, u64, usize);
 
 impl Parameter for NonZeroUsize {
     const KIND: Kind = Kind::Count;

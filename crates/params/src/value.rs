@@ -25,7 +25,8 @@ pub enum Value {
 const SHOWN: usize = 40;
 
 impl Value {
-    /// Returns the value of a text: `none`, a flag, a number, numbers between commas, or a name.
+    /// Returns the value of a text: `none`, a flag, a number, numbers between commas, a name, or
+    /// values by name in braces such as `{ compliance = 1e-4 }`.
     #[must_use]
     pub fn parse(text: &str) -> Self {
         let text = text.trim();
@@ -41,10 +42,46 @@ impl Value {
         if let Ok(number) = text.parse() {
             return Self::Number(number);
         }
+        let inside = text.strip_prefix('{').and_then(|t| t.strip_suffix('}'));
+        if let Some(entries) = inside.and_then(Self::parse_entries) {
+            return Self::Map(entries);
+        }
         if text.contains(',') {
             return Self::List(text.split(',').map(Self::parse).collect());
         }
         Self::Text(text.to_owned())
+    }
+
+    /// Returns the entries of a text of `name = value` between commas; none of any other text.
+    fn parse_entries(text: &str) -> Option<Vec<(String, Self)>> {
+        let mut entries: Vec<(String, String)> = Vec::new();
+        let mut depth = 0_u32;
+        for part in text.split(',') {
+            match (depth, part.split_once('=')) {
+                (0, Some((name, value))) => {
+                    entries.push((name.trim().to_owned(), value.to_owned()));
+                }
+                // A comma of a list, or one within braces.
+                _ => {
+                    let (_, value) = entries.last_mut()?;
+                    value.push(',');
+                    value.push_str(part);
+                }
+            }
+            for c in part.chars() {
+                depth = match c {
+                    '{' => depth + 1,
+                    '}' => depth.checked_sub(1)?,
+                    _ => depth,
+                };
+            }
+        }
+        let parsed = entries.into_iter();
+        Some(
+            parsed
+                .map(|(name, value)| (name, Self::parse(&value)))
+                .collect(),
+        )
     }
 
     /// Returns the number, also of a text such as `1/60`.
@@ -141,12 +178,35 @@ mod tests {
             ("-1.5", Value::Number(-1.5)),
             ("exact", Value::Text("exact".to_owned())),
             (
+                "{ compliance = 0.5 }",
+                Value::Map(vec![("compliance".to_owned(), Value::Number(0.5))]),
+            ),
+            (
+                "{ a = { b = 1, c = none }, d = 2,3 }",
+                Value::Map(vec![
+                    (
+                        "a".to_owned(),
+                        Value::Map(vec![
+                            ("b".to_owned(), Value::Count(1)),
+                            ("c".to_owned(), Value::None),
+                        ]),
+                    ),
+                    (
+                        "d".to_owned(),
+                        Value::List(vec![Value::Count(2), Value::Count(3)]),
+                    ),
+                ]),
+            ),
+            (
                 "0,-9.81,0",
                 Value::List(vec![Value::Count(0), Value::Number(-9.81), Value::Count(0)]),
             ),
         ] {
             assert_eq!(Value::parse(text), value);
             assert_eq!(value.to_string(), text);
+        }
+        for odd in ["{ 1 }", "{ a = } }", "{"] {
+            assert_eq!(Value::parse(odd), Value::Text(odd.to_owned()));
         }
         assert_eq!(Value::parse("1/8").number(), Some(0.125));
         assert_eq!(Value::parse("exact").number(), None);

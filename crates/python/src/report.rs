@@ -1,7 +1,9 @@
 //! Reports of the libraries as Python dictionaries.
 
 use incise::cut::CutReport;
+use incise::params::{Report, Value};
 use incise::refine::FillReport;
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
@@ -10,43 +12,31 @@ pub(crate) fn from_json<'py>(py: Python<'py>, json: &str) -> PyResult<Bound<'py,
     py.import("json")?.call_method1("loads", (json,))
 }
 
+/// Converts a value to an object of Python.
+pub(crate) fn to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
+    match value {
+        Value::None => Ok(py.None().into_bound(py)),
+        Value::Flag(flag) => flag.into_bound_py_any(py),
+        Value::Count(count) => count.into_bound_py_any(py),
+        Value::Number(number) => number.into_bound_py_any(py),
+        Value::Text(text) => text.into_bound_py_any(py),
+        Value::List(values) => {
+            let values = values.iter().map(|value| to_python(py, value));
+            PyList::new(py, values.collect::<PyResult<Vec<_>>>()?)?.into_bound_py_any(py)
+        }
+        Value::Map(entries) => {
+            let out = PyDict::new(py);
+            for (name, value) in entries {
+                out.set_item(name, to_python(py, value)?)?;
+            }
+            out.into_bound_py_any(py)
+        }
+    }
+}
+
 /// Returns counts and times of a cut; times are in seconds.
 pub(crate) fn of_cut<'py>(py: Python<'py>, report: &CutReport) -> PyResult<Bound<'py, PyDict>> {
-    let out = PyDict::new(py);
-    for (key, count) in [
-        ("candidates", report.candidates),
-        ("triangles_hit", report.hits),
-        ("loops", report.loops),
-        ("slits", report.slits),
-        ("snapped_vertices", report.snapped_vertices),
-        ("merged_points", report.merged_nodes),
-        ("flipped_edges", report.flipped_edges),
-        ("collapsed_vertices", report.collapsed_vertices),
-        ("collapsed_points", report.collapsed_nodes),
-        ("short_rim_edges", report.short_rim_edges),
-        ("fallback_sides", report.fallback_sides),
-    ] {
-        out.set_item(key, count)?;
-    }
-    out.set_item("moved_surface", report.moved_surface)?;
-    out.set_item("moved_volume", report.moved_volume)?;
-    out.set_item("refined", report.refined)?;
-    let seconds = PyDict::new(py);
-    for (key, time) in [
-        ("detection", report.detection),
-        ("split", report.split),
-        ("remeshing", report.remeshing),
-        ("cap", report.cap),
-        ("refinement", report.refinement),
-        ("separation", report.separation),
-        ("commit", report.commit),
-        ("bvh_update", report.bvh_update),
-        ("total", report.total()),
-    ] {
-        seconds.set_item(key, time.as_secs_f64())?;
-    }
-    out.set_item("seconds", seconds)?;
-    Ok(out)
+    Ok(to_python(py, &report.value())?.cast_into()?)
 }
 
 /// Returns the filled holes.

@@ -148,7 +148,7 @@ impl Scene {
         params.check().or_raise()?;
         self.scene.params = params;
         let Self { scene, undo } = self;
-        let stats = py.detach(|| undo.step(scene).map(FrameStats::new));
+        let stats = py.detach(|| undo.step(scene).map(|stats| FrameStats(*stats)));
         scene.params.dt = usual;
         stats.or_raise()
     }

@@ -9,6 +9,6 @@ mod report;
 mod scene;
 
 pub use error::WebError;
-pub use mesh::{CutReport, Mesh};
+pub use mesh::Mesh;
 pub use report::MeshReport;
 pub use scene::{Pick, Scene};

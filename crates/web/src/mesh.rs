@@ -1,8 +1,8 @@
 //! [`Mesh`]: a surface at rest, from arrays or files, cut by planes.
 
 use crate::arguments::{
-    VECTOR, copy_f32, copy_f64, copy_u8, copy_u32, cut_params, finite, model, read, rows, value,
-    vector,
+    VECTOR, copy_f32, copy_f64, copy_u8, copy_u32, cut_params, finite, model, read, rows, to_js,
+    value, vector,
 };
 use crate::error::WebError;
 use crate::flat_arrays::FlatArrays;
@@ -10,7 +10,7 @@ use crate::memory_views::{view_f32, view_u8, view_u32};
 use crate::report::{MeshReport, REPAIR};
 use incise::cut::{Cutter, Sweep};
 use incise::mesh::{MeshData, Surface, Undo, Warning, write_glb_to, write_obj_to};
-use incise::params::Value;
+use incise::params::{Parameter, Report, Value};
 use incise_models::build_model;
 use js_sys::{Float32Array, Float64Array, Uint8Array, Uint32Array};
 use wasm_bindgen::JsValue;
@@ -32,31 +32,6 @@ pub struct Mesh {
     /// The arrays of the present surface, if they were asked for.
     arrays: Option<FlatArrays>,
     warnings: Vec<Warning>,
-}
-
-/// The result of a cut.
-#[wasm_bindgen]
-#[derive(Debug, Clone, Copy)]
-#[non_exhaustive]
-pub struct CutReport {
-    /// Whether the plane missed the mesh, which is then unchanged.
-    #[wasm_bindgen(readonly, js_name = isMiss)]
-    pub is_miss: bool,
-    /// Number of pieces added.
-    #[wasm_bindgen(readonly, js_name = piecesAdded)]
-    pub pieces_added: usize,
-    /// Number of triangles that the plane crosses.
-    #[wasm_bindgen(readonly)]
-    pub hits: usize,
-    /// Number of triangles of both caps.
-    #[wasm_bindgen(readonly, js_name = capTriangles)]
-    pub cap_triangles: usize,
-    /// Whether every cap reached its target edge length.
-    #[wasm_bindgen(readonly)]
-    pub refined: bool,
-    /// Time of the cut \[ms\], up to the resolution of the clock of the browser.
-    #[wasm_bindgen(readonly)]
-    pub milliseconds: f64,
 }
 
 impl From<Surface> for Mesh {
@@ -157,7 +132,8 @@ impl Mesh {
     /// Cuts along the plane `normal . x = d` \[m\], relative to `origin`, and caps both sides.
     ///
     /// `params` are parameters of a cut by name, such as `{ level: 0.7, snap: 0.2 }`, or absent.
-    /// `docs/parameters.md` lists them.
+    /// `docs/parameters.md` lists them, and the values of the report: counts such as `hits`, and
+    /// times `seconds` \[s\]. The report also has `is_miss`, `pieces_added` and `cap_triangles`.
     ///
     /// # Errors
     /// Throws if the cut is refused; the mesh is then unchanged.
@@ -167,18 +143,18 @@ impl Mesh {
         normal: &Float64Array,
         d: f64,
         params: &JsValue,
-    ) -> Result<CutReport, WebError> {
+    ) -> Result<JsValue, WebError> {
         let normal = copy_f64("the normal", normal, Some(VECTOR))?;
-        self.cut(&normal, d, &value(params)?)
+        Ok(to_js(&self.cut(&normal, d, &value(params)?)?))
     }
 }
 
 impl Mesh {
-    /// Cuts along the plane `normal . x = d` \[m\], see [`Mesh::cut_by_array`].
+    /// Cuts along the plane `normal . x = d` \[m\], see [`Mesh::cut_by_array`]. Returns the report.
     ///
     /// # Errors
     /// [`WebError`] if the cut is refused; the mesh is then unchanged.
-    pub fn cut(&mut self, normal: &[f64], d: f64, params: &Value) -> Result<CutReport, WebError> {
+    pub fn cut(&mut self, normal: &[f64], d: f64, params: &Value) -> Result<Value, WebError> {
         let params = cut_params(params)?;
         let normal = vector("the normal", normal)?;
         finite("the normal", &normal)?;
@@ -186,19 +162,22 @@ impl Mesh {
         let plane = Sweep::from_plane(normal, d, &self.surface.bounds())?;
         let cutter = (self.cutter).get_or_insert_with(|| Cutter::new(&self.surface));
         let outcome = cutter.cut(&mut self.surface, &plane, &params)?;
-        let report = CutReport {
-            is_miss: outcome.is_miss(),
-            pieces_added: outcome.delta.pieces_added.len(),
-            hits: outcome.report.hits,
-            cap_triangles: outcome.cap.len(),
-            refined: outcome.report.refined,
-            milliseconds: outcome.report.total().as_secs_f64() * 1e3,
-        };
+        let counts = [
+            ("is_miss", outcome.is_miss().value()),
+            ("pieces_added", outcome.delta.pieces_added.len().value()),
+            ("cap_triangles", outcome.cap.len().value()),
+        ];
+        let mut report = counts
+            .map(|(name, value)| (name.to_owned(), value))
+            .to_vec();
+        if let Value::Map(entries) = Report::value(&outcome.report) {
+            report.extend(entries);
+        }
         if let Some(undo) = outcome.undo {
             self.undo.push(undo);
             self.arrays = None;
         }
-        Ok(report)
+        Ok(Value::Map(report))
     }
 }
 

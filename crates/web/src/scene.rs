@@ -4,12 +4,14 @@ mod blades;
 mod buffers;
 mod parameters;
 
-use crate::arguments::{VECTOR, copy_f64, copy_u8, finite, index_of, material, value, vector};
+use crate::arguments::{
+    VECTOR, copy_f64, copy_u8, finite, index_of, material, to_js, value, vector,
+};
 use crate::error::WebError;
 use crate::mesh::Mesh;
 use buffers::BodyBuffers;
 use incise::mesh::{Vec3, VertexId};
-use incise::params::Value;
+use incise::params::{Report, Value};
 use incise::prelude::{BodyId, SceneParams};
 use incise::scene::{Scene as Simulation, UndoStack};
 use js_sys::{Float64Array, Uint8Array};
@@ -339,6 +341,15 @@ impl Scene {
             let pins = body.solver().pins();
             pins.binary_search_by_key(&v, |pin| pin.vertex).is_ok()
         })
+    }
+
+    /// Returns counters and times \[s\] of the last frame by name, such as `stats.seconds.solver`.
+    ///
+    /// `docs/parameters.md` lists them.
+    #[wasm_bindgen(getter)]
+    #[must_use]
+    pub fn stats(&self) -> JsValue {
+        to_js(&self.simulation.stats().value())
     }
 
     /// Returns the time of the last frame \[ms\], up to the resolution of the browser's clock.

@@ -32,9 +32,9 @@ async function measure({ Mesh, Scene }) {
     });
     const pieces = Array.from({ length: frames }, step);
     const planes = Array.from({ length: 40 }, (_, i) => {
-      const { milliseconds } = mesh.cut(new Float64Array([0.1, 1, 0.05]), 0.1 - i * 0.005);
+      const { seconds } = mesh.cut(new Float64Array([0.1, 1, 0.05]), 0.1 - i * 0.005);
       mesh.undo();
-      return milliseconds;
+      return seconds.total * 1e3;
     });
     result[name] = {
       frame: median(whole),

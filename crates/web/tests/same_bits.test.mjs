@@ -30,7 +30,7 @@ function hash(meshes) {
 }
 
 function cut(mesh, method, level, [x, y, z, d]) {
-  mesh.cut(new Float64Array([x, y, z]), d, { level, method }).free();
+  mesh.cut(new Float64Array([x, y, z]), d, { level, method });
   const pieces = Array.from(mesh.pieceNumbers(), (number) => mesh.piece(number));
   return `${pieces.length} ${hash(pieces)}`;
 }

@@ -246,7 +246,7 @@ fn flat(sweep: &Sweep) -> Option<(Vec3, Vec3)> {
 fn assert_surface_is_kept(before: &Surface, after: &Surface, outcome: &CutOutcome, scale: &Scale) {
     let report = &outcome.report;
     assert_eq!(
-        (report.snapped_vertices, report.merged_nodes),
+        (report.snapped_vertices, report.merged_points),
         (0, 0),
         "nothing is snapped"
     );

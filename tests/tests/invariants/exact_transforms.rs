@@ -63,7 +63,7 @@ fn scaling_by_powers_of_two_scales_the_result() {
                     report.hits,
                     report.loops,
                     report.snapped_vertices,
-                    report.merged_nodes,
+                    report.merged_points,
                 ),
             )
         };

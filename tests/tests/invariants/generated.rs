@@ -3,11 +3,11 @@
 //!
 //! `INCISE_UPDATE=1 cargo test -p incise-tests generated` writes them.
 
-use incise_cut::CutParams;
-use incise_params::{Field, Kind, Params, Value, all_fields, short_name};
+use incise_cut::{CutParams, CutReport};
+use incise_params::{Field, Kind, Params, Report, Value, all_fields, short_name};
 use incise_pbd_gpu::Material;
 use incise_refine::HoleParams;
-use incise_scene::SceneParams;
+use incise_scene::{FrameStats, SceneParams};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -26,9 +26,9 @@ fn compare(path: &str, expected: &str) {
     );
 }
 
-/// Returns the parameters of a struct that have a value of their own.
-fn parameters<P: Params>() -> Vec<(String, &'static Field)> {
-    let all = all_fields(P::FIELDS).into_iter();
+/// Returns the fields of a struct that have a value of their own.
+fn leaves(fields: &'static [Field]) -> Vec<(String, &'static Field)> {
+    let all = all_fields(fields).into_iter();
     all.filter(|(_, field)| !matches!(field.kind, Kind::Struct(_)))
         .collect()
 }
@@ -89,7 +89,7 @@ fn default(field: &Field) -> String {
 /// Appends the table of a struct.
 fn table<P: Params>(out: &mut String) {
     out.push_str("| name | values | default | unit | meaning |\n|---|---|---|---|---|\n");
-    for (name, field) in parameters::<P>() {
+    for (name, field) in leaves(P::FIELDS) {
         let (values, default) = (values(&field.kind, field), default(field));
         let (unit, meaning) = (
             field.unit,
@@ -102,6 +102,30 @@ fn table<P: Params>(out: &mut String) {
         .expect("a string");
     }
 }
+
+/// Appends the table of a report.
+fn report_table<R: Report>(out: &mut String) {
+    out.push_str("| name | value | unit | meaning |\n|---|---|---|---|\n");
+    for (name, field) in leaves(R::FIELDS) {
+        let text = field.text().replace("\n\n", " ").replace('\n', " ");
+        let (kind, unit) = (&field.kind, field.unit);
+        writeln!(out, "| `{name}` | {kind} | {unit} | {text} |").expect("a string");
+    }
+}
+
+const REPORTS: &str = "
+# Reports
+
+| where | how |
+|---|---|
+| Rust | fields of the structs, or `Report::get(\"seconds.detection\")` |
+| command line | `incise cut --json`: the object `cut` |
+| Python | `result.report[\"hits\"]`, `scene.step().bvh_refits`, `.detection` |
+| JavaScript | `mesh.cut(..).hits`, `scene.stats.seconds.solver` |
+| C | `incise_cut_result_statistic(result, \"hits\", &x)`, `incise_scene_statistic(..)` |
+| C# | `result.Statistic(CutStatistic.Hits)`, `scene.Statistic(FrameStatistic.BvhRefits)` |
+
+";
 
 const INTRODUCTION: &str = "\
 # Parameters
@@ -138,6 +162,11 @@ fn the_document_lists_all_parameters() {
     table::<Material>(&mut out);
     out.push_str("\n## Filled holes: `HoleParams`\n\n");
     table::<HoleParams>(&mut out);
+    out.push_str(REPORTS);
+    out.push_str("## Cuts: `CutReport`\n\n");
+    report_table::<CutReport>(&mut out);
+    out.push_str("\n## Frames: `FrameStats`\n\n");
+    report_table::<FrameStats>(&mut out);
     compare("docs/parameters.md", &out);
 }
 
@@ -147,26 +176,50 @@ fn c_sharp_has_the_names() {
         "// Made from the parameters of the library by its test `generated`.\n\
          \nnamespace Incise\n{\n",
     );
-    names::<SceneParams>(&mut out, "SceneParameter", "scene");
-    out.push('\n');
-    names::<Material>(&mut out, "MaterialParameter", "material");
+    names(
+        &mut out,
+        SceneParams::FIELDS,
+        "SceneParameter",
+        "parameters of a scene",
+    );
+    names(
+        &mut out,
+        Material::FIELDS,
+        "MaterialParameter",
+        "parameters of a material",
+    );
+    names(
+        &mut out,
+        CutReport::FIELDS,
+        "CutStatistic",
+        "counts and times of a cut",
+    );
+    names(
+        &mut out,
+        FrameStats::FIELDS,
+        "FrameStatistic",
+        "counters and times of a frame",
+    );
     out.push_str("}\n");
     compare("crates/ffi/unity/Runtime/ParameterNames.cs", &out);
 }
 
-/// Appends a class with the names of a struct's parameters.
-fn names<P: Params>(out: &mut String, class: &str, noun: &str) {
+/// Appends a class with the names of a struct's fields.
+fn names(out: &mut String, fields: &'static [Field], class: &str, noun: &str) {
+    if !out.ends_with("{\n") {
+        out.push('\n');
+    }
     let pascal = |name: &str| -> String {
         let words = name.split(['.', '_']);
         words.map(|w| w[..1].to_uppercase() + &w[1..]).collect()
     };
     writeln!(
         out,
-        "    /// <summary>Names of the parameters of a {noun}.</summary>\n    public static class \
+        "    /// <summary>Names of the {noun}.</summary>\n    public static class \
          {class}\n    {{"
     )
     .expect("a string");
-    for (name, field) in parameters::<P>() {
+    for (name, field) in leaves(fields) {
         let summary = field.summary().replace('&', "&amp;").replace('<', "&lt;");
         writeln!(out, "        /// <summary>{summary}</summary>").expect("a string");
         let constant = pascal(&name);
@@ -189,6 +242,7 @@ fn python_has_the_types() {
     types::<SceneParams>(&mut out, "SceneOptions", &["undo_limit: int"]);
     types::<Material>(&mut out, "MaterialKeys", &[]);
     types::<HoleParams>(&mut out, "FillOptions", &[]);
+    properties::<FrameStats>(&mut out, "FrameStats", &["cutting"]);
     out.push_str(end);
     out.push_str(after);
     compare(path, &out);
@@ -197,7 +251,7 @@ fn python_has_the_types() {
 /// Appends a dictionary with the short names of a struct's parameters.
 fn types<P: Params>(out: &mut String, class: &str, more: &[&str]) {
     writeln!(out, "class {class}(TypedDict, total=False):").expect("a string");
-    for (name, field) in parameters::<P>() {
+    for (name, field) in leaves(P::FIELDS) {
         let name = short_name(P::FIELDS, &name).replace('.', "_");
         // `None` is the default of any parameter.
         writeln!(
@@ -209,6 +263,17 @@ fn types<P: Params>(out: &mut String, class: &str, more: &[&str]) {
     }
     for line in more {
         writeln!(out, "    {line}").expect("a string");
+    }
+    out.push('\n');
+}
+
+/// Appends a class with the values of a report as properties, and other numbers.
+fn properties<R: Report>(out: &mut String, class: &str, more: &[&str]) {
+    writeln!(out, "class {class}:").expect("a string");
+    let values = leaves(R::FIELDS).into_iter();
+    let values = values.map(|(_, field)| (field.name, python_type(&field.kind)));
+    for (name, kind) in values.chain(more.iter().map(|name| (*name, "float"))) {
+        writeln!(out, "    @property\n    def {name}(self) -> {kind}: ...").expect("a string");
     }
     out.push('\n');
 }

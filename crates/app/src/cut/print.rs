@@ -1,6 +1,7 @@
 //! The report of `incise cut` as text.
 
 use super::Report;
+use crate::clock::milliseconds;
 use crate::numbers::counted;
 use crate::pieces;
 use incise_cut::Caps;
@@ -24,14 +25,14 @@ pub(super) fn print(report: &Report, is_exact: bool, out: &mut impl Write) -> io
         )?;
     }
     print_steps(report, out)?;
-    if report.triangles_hit > 0 {
+    if report.cut.hits > 0 {
         writeln!(
             out,
             "  {} hit{}; {}, smallest angle {:.1}, median {:.1} degrees",
-            counted(report.triangles_hit, "triangle"),
+            counted(report.cut.hits, "triangle"),
             match report.steps {
                 Some(_) => String::new(),
-                None => format!(" in {}", counted(report.loops, "loop")),
+                None => format!(" in {}", counted(report.cut.loops, "loop")),
             },
             counted(report.cap_triangles, report.cap_noun()),
             report.cap_min_angle_deg,
@@ -50,9 +51,9 @@ pub(super) fn print(report: &Report, is_exact: bool, out: &mut impl Write) -> io
                 out,
                 "  snap {}: {} and {} moved; {} left",
                 report.snap,
-                counted(report.snapped_vertices, "vertex"),
-                counted(report.merged_points, "point"),
-                counted(report.short_rim_edges, "short rim edge")
+                counted(report.cut.snapped_vertices, "vertex"),
+                counted(report.cut.merged_points, "point"),
+                counted(report.cut.short_rim_edges, "short rim edge")
             )?;
         }
         if is_exact && report.remesh > 0.0 {
@@ -61,14 +62,14 @@ pub(super) fn print(report: &Report, is_exact: bool, out: &mut impl Write) -> io
                 "  remesh {}: {} flipped, {} and {} contracted; the \
                  surface moved by {:.1e} at most",
                 report.remesh,
-                counted(report.flipped_edges, "edge"),
-                counted(report.collapsed_vertices, "vertex"),
-                counted(report.collapsed_points, "rim point"),
-                report.moved_surface
+                counted(report.cut.flipped_edges, "edge"),
+                counted(report.cut.collapsed_vertices, "vertex"),
+                counted(report.cut.collapsed_points, "rim point"),
+                report.cut.moved_surface
             )?;
         }
         if is_exact && report.snap.max(report.remesh) > 0.0 {
-            writeln!(out, "  volume {:.1e} moved", report.moved_volume)?;
+            writeln!(out, "  volume {:.1e} moved", report.cut.moved_volume)?;
         }
     }
     writeln!(
@@ -79,23 +80,22 @@ pub(super) fn print(report: &Report, is_exact: bool, out: &mut impl Write) -> io
         report.refine_method
     )?;
     pieces::print(&report.pieces, &report.removed, out)?;
-    let t = &report.milliseconds;
-    writeln!(
-        out,
-        "  ms: read {:.2}, BVH build {:.2}, BVH update {:.2}, detection {:.2}, split {:.2}, \
-         remeshing {:.2}, cap {:.2}, refinement {:.2}, separation {:.2}, commit {:.2}, write {:.2}",
-        t.read,
-        t.bvh_build,
-        t.bvh_update,
-        t.detection,
-        t.split,
-        t.remeshing,
-        t.cap,
-        t.refinement,
-        t.separation,
-        t.commit,
-        t.write
-    )
+    let (t, cut) = (&report.seconds, &report.cut);
+    let stages = [
+        ("read", t.read),
+        ("BVH build", t.bvh_build),
+        ("BVH update", cut.bvh_update.as_secs_f64()),
+        ("detection", cut.detection.as_secs_f64()),
+        ("split", cut.split.as_secs_f64()),
+        ("remeshing", cut.remeshing.as_secs_f64()),
+        ("cap", cut.cap.as_secs_f64()),
+        ("refinement", cut.refinement.as_secs_f64()),
+        ("separation", cut.separation.as_secs_f64()),
+        ("commit", cut.commit.as_secs_f64()),
+        ("write", t.write),
+    ];
+    let stages = stages.map(|(name, time)| format!("{name} {:.2}", milliseconds(time)));
+    writeln!(out, "  ms: {}", stages.join(", "))
 }
 
 /// Prints the motion of the blade along its path.

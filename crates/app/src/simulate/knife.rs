@@ -50,7 +50,7 @@ enum Motion {
 pub(super) struct Knife {
     blades: Vec<Blade>,
     /// Triangles hit so far.
-    pub(super) triangles_hit: usize,
+    pub(super) hits: usize,
     /// A message for every cut that could not be made.
     pub(super) refusals: Vec<String>,
     /// Bounding box of the bodies at the first cut.
@@ -82,7 +82,7 @@ impl Knife {
         };
         Ok(Self {
             blades: motions.into_iter().map(blade).collect(),
-            triangles_hit: 0,
+            hits: 0,
             refusals: Vec::new(),
             bounds_at_start: Aabb::default(),
         })
@@ -109,7 +109,7 @@ impl Knife {
             for (surface, _) in bodies.surfaces(scene)? {
                 bounds = bounds.union(surface.bounds());
             }
-            if self.triangles_hit == 0 {
+            if self.hits == 0 {
                 self.bounds_at_start = in_file(bodies.origin, &bounds);
             }
         }
@@ -143,7 +143,7 @@ impl Knife {
     ) -> Result<&[String], Failure> {
         let first = self.refusals.len();
         let hit_triangles = scene.stats().hit_triangles;
-        self.triangles_hit += hit_triangles;
+        self.hits += hit_triangles;
         for blade in &mut self.blades {
             let Some(id) = blade.id else { continue };
             let failed = scene.failed_cuts().iter().filter(|cut| cut.blade == id);

@@ -1,6 +1,7 @@
 //! The report of `incise simulate`, as JSON and as text.
 
 use super::bodies::Input;
+use crate::clock::milliseconds;
 use crate::json::all_lossy;
 use crate::numbers::counted;
 use crate::pieces::{self, Piece};
@@ -22,7 +23,7 @@ pub(super) struct Report {
     pub(super) iterations: u32,
     pub(super) substeps: u32,
     /// Triangles that the sweep crosses; none without a cut.
-    pub(super) triangles_hit: Option<usize>,
+    pub(super) hits: Option<usize>,
     /// A message for every cut that could not be made.
     pub(super) refused_cuts: Vec<String>,
     /// A message for every plane and blade that hit nothing.
@@ -38,7 +39,7 @@ pub(super) struct Report {
     /// Removed pieces of an earlier run.
     #[serde(serialize_with = "all_lossy")]
     pub(super) removed: Vec<PathBuf>,
-    pub(super) milliseconds: Times,
+    pub(super) seconds: Times,
 }
 
 /// A written piece and its body.
@@ -50,7 +51,7 @@ pub(super) struct PieceOfBody {
     pub(super) piece: Piece,
 }
 
-/// Times of the stages \[ms\].
+/// Times of the stages \[s\].
 #[derive(Serialize)]
 pub(super) struct Times {
     pub(super) simulate: f64,
@@ -73,7 +74,7 @@ pub(super) fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
         report.dt,
         report.device.as_deref().unwrap_or("the CPU")
     )?;
-    if let Some(hits @ 1..) = report.triangles_hit {
+    if let Some(hits @ 1..) = report.hits {
         write!(out, "  {} hit", counted(hits, "triangle"))?;
         match (report.steps, report.cutting_steps) {
             (Some(steps), Some(cutting)) => {
@@ -88,10 +89,11 @@ pub(super) fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
     if report.pictures > 0 {
         writeln!(out, "  {} drawn", counted(report.pictures, "picture"))?;
     }
-    let t = &report.milliseconds;
+    let t = &report.seconds;
     writeln!(
         out,
         "  ms: simulate {:.2}, write {:.2}",
-        t.simulate, t.write
+        milliseconds(t.simulate),
+        milliseconds(t.write)
     )
 }

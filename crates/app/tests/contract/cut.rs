@@ -162,12 +162,12 @@ fn without_snapping_no_volume_moves_and_with_it_the_report_says_how_much() {
         (&exact["method"], &exact["snap"]),
         (&"exact".into(), &0.0.into())
     );
-    assert_eq!(exact["snapped_vertices"], 0);
-    assert_eq!(exact["moved_volume"], 0.0);
+    assert_eq!(exact["cut"]["snapped_vertices"], 0);
+    assert_eq!(exact["cut"]["moved_volume"], 0.0);
     assert!(off < 1e-5, "{off} of the volume is lost");
     let (snapped, off) = run("0.3");
-    let moved = snapped["moved_volume"].as_f64().unwrap();
-    let count = |name: &str| snapped[name].as_u64().unwrap();
+    let moved = snapped["cut"]["moved_volume"].as_f64().unwrap();
+    let count = |name: &str| snapped["cut"][name].as_u64().unwrap();
     let contracted = count("snapped_vertices") + count("merged_points");
     assert!(contracted > 0, "{snapped}");
     assert!(moved > 0.0, "{snapped}");
@@ -175,8 +175,8 @@ fn without_snapping_no_volume_moves_and_with_it_the_report_says_how_much() {
         off <= moved / snapped["volume"].as_f64().unwrap() + 1e-5,
         "{off}"
     );
-    let shortest = |report: &serde_json::Value| report["short_rim_edges"].as_u64().unwrap();
-    assert!(shortest(&snapped) < snapped["triangles_hit"].as_u64().unwrap());
+    let shortest = |report: &serde_json::Value| report["cut"]["short_rim_edges"].as_u64().unwrap();
+    assert!(shortest(&snapped) < snapped["cut"]["hits"].as_u64().unwrap());
     let (code, _, error) = cut(&input, &output, &[&plane[..], &["--snap", "0.5"]].concat());
     assert_eq!(code, Some(2), "{error}");
     assert!(error.contains("below 0.5"), "{error}");
@@ -196,13 +196,13 @@ fn remeshing_moves_the_surface_by_no_more_than_the_report_says() {
     let run = |more: &[&str]| cut(&input, &output, &[&plane[..], more].concat());
     let (_, off, _) = run(&[]);
     assert_eq!(off["remesh"], 0.0);
-    assert_eq!(off["moved_surface"], 0.0);
+    assert_eq!(off["cut"]["moved_surface"], 0.0);
     let (code, on, error) = run(&["--remesh", "0.1"]);
     assert_eq!(code, Some(0), "{error}");
-    let count = |name: &str| on[name].as_u64().unwrap();
+    let count = |name: &str| on["cut"][name].as_u64().unwrap();
     let done = ["flipped_edges", "collapsed_vertices", "collapsed_points"].map(count);
     assert!(done.iter().sum::<u64>() > 0, "{on}");
-    let moved = on["moved_surface"].as_f64().unwrap();
+    let moved = on["cut"]["moved_surface"].as_f64().unwrap();
     assert!(moved > 0.0, "{on}");
     let triangles = |report: &serde_json::Value| -> u64 {
         let pieces = report["pieces"].as_array().unwrap().iter();
@@ -234,7 +234,7 @@ fn a_plane_through_a_cavity_is_cut_exactly_and_refused_by_the_paper_s_method() {
     let (code, report, error) = cut(&input, &output, &[&plane[..], &["--snap", "0"]].concat());
     assert_eq!(code, Some(0), "{error}");
     let pieces = report["pieces"].as_array().unwrap();
-    assert_eq!((pieces.len(), &report["loops"]), (2, &2.into()));
+    assert_eq!((pieces.len(), &report["cut"]["loops"]), (2, &2.into()));
     assert!(pieces.iter().all(|p| p["cavity"] == false), "{report}");
     let before = report["volume"].as_f64().unwrap();
     assert!((sum_of_volumes(&report) - before).abs() < 1e-5 * before);
@@ -334,7 +334,7 @@ fn a_sweep_inside_the_body_is_no_miss_and_one_in_its_cavity_is() {
     for miss in [in_cavity, beside] {
         let (code, report, error) = cut(&input, &output, &miss);
         assert_eq!(
-            (code, &report["triangles_hit"]),
+            (code, &report["cut"]["hits"]),
             (Some(4), &0.into()),
             "{error}"
         );
@@ -514,7 +514,7 @@ fn several_planes_cut_all_pieces_in_their_order() {
     assert_eq!(pieces.len(), 4, "{report}");
     let volumes = pieces.iter().map(|piece| piece["volume"].as_f64().unwrap());
     let (sum, whole) = (volumes.sum::<f64>(), report["volume"].as_f64().unwrap());
-    let moved = report["moved_volume"].as_f64().unwrap();
+    let moved = report["cut"]["moved_volume"].as_f64().unwrap();
     assert!((sum - whole).abs() < moved.abs() + 1e-6 * whole, "{report}");
     // The caps of the first plane are divided by the second one.
     let caps: usize = (0..4)
@@ -526,5 +526,5 @@ fn several_planes_cut_all_pieces_in_their_order() {
         })
         .sum();
     assert_eq!(report["cap_triangles"].as_u64(), u64::try_from(caps).ok());
-    assert_eq!(report["loops"], 3, "one loop, then one in each half");
+    assert_eq!(report["cut"]["loops"], 3, "one loop, then one in each half");
 }

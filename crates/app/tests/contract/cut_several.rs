@@ -27,7 +27,7 @@ fn several_inputs_get_the_same_cut_and_their_pieces_are_numbered_through() {
         .zip([Model::Sphere80, Model::Octopus])
     {
         assert_eq!(report["input"], model.name());
-        assert!(report["triangles_hit"].as_u64() > Some(0));
+        assert!(report["cut"]["hits"].as_u64() > Some(0));
         let mut volume = 0.0;
         for piece in report["pieces"].as_array().unwrap() {
             volume += piece["volume"].as_f64().unwrap();

@@ -90,14 +90,7 @@ fn a_file_and_options_give_the_same_bytes() {
                  --plane 1,0,0.1,0 --at 0.1 --plane 0,0.1,1,0 --at 0.2 --format ply --json -o";
     let words: Vec<&str> = words.split_whitespace().chain([text(&out)]).collect();
     let of_options = report(&incise(&words));
-    for key in [
-        "inputs",
-        "frames",
-        "dt",
-        "substeps",
-        "triangles_hit",
-        "steps",
-    ] {
+    for key in ["inputs", "frames", "dt", "substeps", "hits", "steps"] {
         assert_eq!(of_file[key], of_options[key], "{key}");
     }
     let of_file = files(&folder.path().join("of_file"));

@@ -89,7 +89,7 @@ fn a_body_is_cut_on_its_way_to_the_ground() {
     assert_eq!(report["backend"], "cpu");
     assert!(report["device"].is_null(), "{report}");
     assert_eq!(report["frames"], 60);
-    assert!(report["triangles_hit"].as_u64().unwrap() > 0, "{report}");
+    assert!(report["hits"].as_u64().unwrap() > 0, "{report}");
     assert_eq!(report["pieces"].as_array().unwrap().len(), 2);
     for number in 0..2 {
         let surface = piece(&out, number);

@@ -2,11 +2,14 @@
 
 use crate::cutting::{CutObject, CutResult};
 use crate::exports::mesh::put_new;
+use crate::exports::parameters::number;
 use crate::handles::{remove, with};
-use crate::memory::{check_output, count, output, put};
+use crate::memory::{check_output, count, output, put, text};
 use crate::mesh::{Mesh, MeshObject};
 use crate::status::{Status, call};
 use incise::mesh::geometry::round_to_f32;
+use incise::params::Report;
+use std::ffi::c_char;
 use std::mem::MaybeUninit;
 
 /// Counts of a cut.
@@ -75,6 +78,23 @@ pub extern "C" fn incise_cut_result_report(
                 seconds: cut.time.as_secs_f64(),
             };
             put(out, values, "out")
+        })
+    })
+}
+
+/// Writes a count or a time of a cut by name, such as `"merged_points"` or `"seconds.detection"`;
+/// 1 or 0 for true and false. `docs/parameters.md` lists them.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn incise_cut_result_statistic(
+    result: *mut CutResult,
+    name: *const c_char,
+    out: Option<&mut MaybeUninit<f64>>,
+) -> Status {
+    call(|| {
+        // SAFETY: the caller's contract, see the README.
+        let name = unsafe { text(name, "name")? };
+        with(result, |cut: &mut CutObject| {
+            put(out, number(name, &cut.stroke.report.get(name)?)?, "out")
         })
     })
 }

@@ -170,7 +170,7 @@ fn number_like(present: &Value, number: f64) -> Value {
 }
 
 /// Returns a value as a number.
-fn number(name: &str, value: &Value) -> Result<f64, Error> {
+pub(crate) fn number(name: &str, value: &Value) -> Result<f64, Error> {
     let number = match value {
         Value::Flag(flag) => Some(f64::from(u8::from(*flag))),
         value => value.number(),

@@ -1,10 +1,12 @@
 //! Scenes: parameters, colliders, blades, frames and undo.
 
+use crate::exports::parameters::number;
 use crate::handles::{insert, remove, with};
-use crate::memory::{count, fixed, input, output, output_bytes, output_text, put};
+use crate::memory::{count, fixed, input, output, output_bytes, output_text, put, text};
 use crate::params::{Collider, SceneParams};
 use crate::simulation::{Scene, SceneObject};
 use crate::status::{Error, Status, call};
+use incise::params::Report;
 use incise::scene;
 use std::ffi::c_char;
 use std::mem::MaybeUninit;
@@ -248,6 +250,23 @@ pub extern "C" fn incise_scene_step(
                 Some(_) => put(out, stats, "out"),
                 None => Ok(()),
             }
+        })
+    })
+}
+
+/// Writes a counter or a time of the last frame by name, such as `"bvh_refits"` or
+/// `"seconds.solver"`; 1 or 0 for true and false. `docs/parameters.md` lists them.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn incise_scene_statistic(
+    scene: *mut Scene,
+    name: *const c_char,
+    out: Option<&mut MaybeUninit<f64>>,
+) -> Status {
+    call(|| {
+        // SAFETY: the caller's contract, see the README.
+        let name = unsafe { text(name, "name")? };
+        with(scene, |scene: &mut SceneObject| {
+            put(out, number(name, &scene.scene.stats().get(name)?)?, "out")
         })
     })
 }

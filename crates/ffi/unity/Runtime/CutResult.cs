@@ -18,6 +18,15 @@ namespace Incise
             Report = report;
         }
 
+        /// <summary>Returns a count or a time, see <see cref="CutStatistic"/>.</summary>
+        public double Statistic(string name)
+        {
+            double value;
+            Native.Check(Native.incise_cut_result_statistic(
+                handle, Native.Utf8(name), out value));
+            return value;
+        }
+
         /// <summary>Returns the cut surface with all pieces.</summary>
         public Surface Surface()
         {

@@ -209,6 +209,8 @@ namespace Incise
         [DllImport(Dll)] internal static extern Status incise_cut_result_free(IntPtr result);
         [DllImport(Dll)] internal static extern Status incise_cut_result_report(
             CutHandle result, out CutReport report);
+        [DllImport(Dll)] internal static extern Status incise_cut_result_statistic(
+            CutHandle result, byte[] name, out double value);
         [DllImport(Dll)] internal static extern Status incise_cut_result_mesh(
             CutHandle result, out MeshHandle mesh);
         [DllImport(Dll)] internal static extern Status incise_cut_result_piece(
@@ -268,6 +270,8 @@ namespace Incise
             SceneHandle scene, uint blade, float[] face);
         [DllImport(Dll)] internal static extern Status incise_scene_step(
             SceneHandle scene, out FrameStats stats);
+        [DllImport(Dll)] internal static extern Status incise_scene_statistic(
+            SceneHandle scene, byte[] name, out double value);
         [DllImport(Dll)] internal static extern Status incise_scene_failed_cuts(
             SceneHandle scene, [Out] byte[] text, UIntPtr capacity, out UIntPtr length);
         [DllImport(Dll)] internal static extern Status incise_scene_undo(

@@ -125,6 +125,15 @@ namespace Incise
             return stats;
         }
 
+        /// <summary>Returns a counter or a time of the last frame, see
+        /// <see cref="FrameStatistic"/>.</summary>
+        public double Statistic(string name)
+        {
+            double value;
+            Native.Check(Native.incise_scene_statistic(handle, Native.Utf8(name), out value));
+            return value;
+        }
+
         /// <summary>Returns a line for each cut that was refused in the last frame.</summary>
         public string FailedCuts
         {

@@ -174,7 +174,8 @@ impl Scene {
             let global = body.solver().global_stats();
             self.stats.global_bodies += u32::from(done.global_iterations > 0);
             self.stats.global_bytes += global.bytes;
-            self.stats.factor_time = self.stats.factor_time.max(global.factor_time);
+            let factor_seconds = global.factor_time.as_secs_f64();
+            self.stats.factor_seconds = self.stats.factor_seconds.max(factor_seconds);
             self.stats.factor_age = self.stats.factor_age.max(global.factor_age);
         }
         if let Some(sleep) = &self.params.sleep

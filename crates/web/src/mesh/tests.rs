@@ -12,7 +12,13 @@ fn a_cut_is_two_closed_pieces_with_caps_and_undo_takes_it_back() {
     let mut mesh = Mesh::model("Sphere768").unwrap();
     let before = mesh.surface().clone();
     let report = mesh.cut(&UP, 0.0, &Value::None).unwrap();
-    assert!(!report.is_miss && report.refined && report.pieces_added == 1);
+    for (name, expected) in [
+        ("is_miss", false.value()),
+        ("refined", true.value()),
+        ("pieces_added", 1_usize.value()),
+    ] {
+        assert_eq!(report.at(name), Some(expected), "{name}");
+    }
     assert_eq!(mesh.piece_numbers().len(), 2);
     let mask = mesh
         .arrays()
@@ -20,7 +26,7 @@ fn a_cut_is_two_closed_pieces_with_caps_and_undo_takes_it_back() {
         .iter()
         .map(|&m| usize::from(m))
         .sum::<usize>();
-    assert_eq!(mask, report.cap_triangles);
+    assert_eq!(report.at("cap_triangles"), Some(mask.value()));
     let pieces = mesh
         .piece_numbers()
         .into_iter()
@@ -94,6 +100,7 @@ fn hostile_planes_are_errors_or_misses() {
     }
     let method = Value::Map(vec![("method".to_owned(), Value::from("none"))]);
     assert!(mesh.cut(&UP, 0.0, &method).is_err());
-    assert!(mesh.cut(&UP, 1e300, &Value::None).unwrap().is_miss);
+    let miss = mesh.cut(&UP, 1e300, &Value::None).unwrap();
+    assert_eq!(miss.at("is_miss"), Some(true.value()));
     assert_eq!((mesh.undo_count(), mesh.triangle_count()), (0, 80));
 }
