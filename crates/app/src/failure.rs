@@ -364,14 +364,14 @@ pub(crate) enum Failure {
         /// The file.
         path: PathBuf,
     },
-    /// A figure of the gallery cannot be made of the built-in models.
+    /// The command of a figure's panel is wrong.
     #[cfg(feature = "gpu")]
-    #[error("{figure}: {source}; omit it with --only")]
+    #[error("{command}: {source}; omit the figure with --only")]
     Figure {
-        /// The figure's name.
-        figure: &'static str,
+        /// The command of the panel.
+        command: String,
         /// The reason.
-        source: crate::gallery::FigureError,
+        source: Box<clap::Error>,
     },
     /// No GPU can draw.
     #[cfg(feature = "gpu")]

@@ -1,37 +1,25 @@
-//! `incise gallery`: draws the paper's figures from the built-in models, by both methods, and a
-//! figure of incisions.
+//! `incise gallery`: draws the paper's figures, grids of pictures by `incise render`.
 
-mod boundary;
-mod catalog;
-mod draw;
-mod figure;
-mod incisions;
-mod levels;
-mod refinement;
-mod slice;
-mod slices;
-mod sweep;
-
-pub(crate) use figure::FigureError;
+mod figures;
 
 use crate::failure::Failure;
 use crate::json::write_report;
 use crate::pieces::output_path;
+use crate::render::RenderArguments;
 use crate::reporter::Reporter;
-use catalog::{ALL, Entry};
+use clap::Parser;
 use clap::builder::PossibleValuesParser;
-use draw::FigureRenderer;
-use figure::{Facts, Row};
+use figures::{ALL, Figure};
 use incise_pbd_gpu::{AdapterRequest, Context};
-use incise_render::{Image, RenderError, Renderer};
+use incise_render::{FigureGrid, Image, RenderError, Renderer};
 use serde::Serialize;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// Draws the paper's figures, cut by the paper's and by the exact method, and incisions.
+/// Draws the paper's figures from the built-in models, by the paper's and by the exact method.
 ///
-/// Writes DIR/fig1.png and so on from the built-in models, and DIR/index.json with the parameters
-/// and triangle counts of every panel.
+/// Writes DIR/fig1.png and so on, and DIR/index.json with the command of every panel and its
+/// numbers of triangles.
 #[derive(clap::Args)]
 pub(crate) struct GalleryArguments {
     /// The folder for the images.
@@ -47,7 +35,7 @@ pub(crate) struct GalleryArguments {
     size: u32,
     /// Figures to draw, separated by commas.
     #[arg(long, value_name = "NAME,..", value_delimiter = ',', ignore_case = true,
-          value_parser = PossibleValuesParser::new(ALL.iter().map(|entry| entry.name)))]
+          value_parser = PossibleValuesParser::new(ALL.iter().map(|figure| figure.name)))]
     only: Vec<String>,
     /// GPU to use: a part of its name, as listed by `incise devices`. By default the first one,
     /// software adapters included.
@@ -62,30 +50,34 @@ struct Index {
     device: String,
     /// Side of a panel [pixels].
     panel: u32,
-    figures: Vec<Figure>,
+    figures: Vec<FigureEntry>,
 }
 
 #[derive(Serialize)]
-struct Figure {
+struct FigureEntry {
     name: &'static str,
     file: String,
     caption: &'static str,
     width: u32,
     height: u32,
-    rows: Vec<FigureRow>,
+    rows: Vec<Vec<PanelEntry>>,
 }
 
 #[derive(Serialize)]
-struct FigureRow {
-    title: String,
-    panels: Vec<FigurePanel>,
+struct PanelEntry {
+    /// The panel alone.
+    command: String,
+    pieces: usize,
+    /// Visible triangles, caps included.
+    triangles: usize,
+    cap_triangles: usize,
 }
 
-#[derive(Serialize)]
-struct FigurePanel {
-    label: String,
-    #[serde(flatten)]
-    facts: Facts,
+/// The command line of a panel.
+#[derive(Parser)]
+struct Panel {
+    #[command(flatten)]
+    render: RenderArguments,
 }
 
 /// Runs the command.
@@ -100,81 +92,92 @@ pub(crate) fn run(
     })?;
     let context = Context::open(&AdapterRequest::any(arguments.adapter.clone()))?;
     let renderer = Renderer::offscreen(context.device(), context.queue())?;
-    let figures_renderer = FigureRenderer::new(&renderer, arguments.size)?;
     let mut index = Index {
         device: context.adapter().name.clone(),
         panel: arguments.size,
         figures: Vec::new(),
     };
-    let figures = arguments.entries().count();
-    let progress = reporter.progress(u32::try_from(figures).unwrap_or(u32::MAX), 1);
-    for entry in arguments.entries() {
-        progress.begin(entry.name);
-        let rows = (entry.make)().map_err(|error| error.in_figure(entry.name))?;
-        let picture = figures_renderer.figure(&rows)?;
+    let figures: Vec<&Figure> = ALL.iter().filter(|f| arguments.is_drawn(f.name)).collect();
+    let progress = reporter.progress(u32::try_from(figures.len()).unwrap_or(u32::MAX), 1);
+    for figure in figures {
+        progress.begin(figure.name);
+        let (picture, rows) = figure.draw(&renderer, arguments.size, reporter)?;
         context.check()?;
-        let file = format!("{}.png", entry.name);
+        let file = format!("{}.png", figure.name);
         picture.write_png(&folder.join(&file))?;
-        let figure = Figure::of(entry, file, rows, &picture);
-        index.figures.push(figure);
+        index.figures.push(FigureEntry {
+            name: figure.name,
+            file,
+            caption: figure.caption,
+            width: picture.width(),
+            height: picture.height(),
+            rows,
+        });
         progress.step();
     }
     progress.end();
-    write_index(&folder.join("index.json"), &index)?;
-    let written = reporter.report(&index, |index, out| {
+    let path = folder.join("index.json");
+    let mut text = Vec::new();
+    let written = write_report(&index, &mut text).and_then(|()| std::fs::write(&path, text));
+    written.map_err(|source| RenderError::Write { path, source })?;
+    let printed = reporter.report(&index, |index, out| {
         index.figures.iter().try_for_each(|figure| {
-            let Figure {
-                file,
-                width,
-                height,
-                ..
-            } = figure;
-            let path = folder.join(file);
+            let (path, width, height) = (folder.join(&figure.file), figure.width, figure.height);
             writeln!(out, "{}: {width} x {height} pixels", path.display())
         })
     });
-    Ok(written?)
+    Ok(printed?)
 }
 
 impl GalleryArguments {
-    /// Returns the selected figures, in the order of the catalog.
-    fn entries(&self) -> impl Iterator<Item = &'static Entry> {
-        let is_named = |entry: &&Entry| {
-            let mut names = self.only.iter();
-            self.only.is_empty() || names.any(|name| name.eq_ignore_ascii_case(entry.name))
-        };
-        ALL.iter().filter(is_named)
+    fn is_drawn(&self, figure: &str) -> bool {
+        let mut names = self.only.iter();
+        self.only.is_empty() || names.any(|name| name.eq_ignore_ascii_case(figure))
     }
 }
 
 impl Figure {
-    fn of(entry: &Entry, file: String, rows: Vec<Row>, picture: &Image) -> Self {
-        let rows = rows.into_iter().map(|row| FigureRow {
-            title: row.title,
-            panels: (row.panels.into_iter())
-                .map(|panel| FigurePanel {
-                    label: panel.label,
-                    facts: panel.facts,
-                })
-                .collect(),
-        });
-        Self {
-            name: entry.name,
-            file,
-            caption: entry.caption,
-            width: picture.width(),
-            height: picture.height(),
-            rows: rows.collect(),
+    /// Draws all panels with their words as labels.
+    fn draw(
+        &self,
+        renderer: &Renderer,
+        side: u32,
+        reporter: &Reporter<impl Write>,
+    ) -> Result<(Image, Vec<Vec<PanelEntry>>), Failure> {
+        let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+        let size = [count(self.columns.len()), count(self.rows.len())];
+        let mut grid = FigureGrid::new([side; 2], size[0], size[1])?;
+        let mut entries = Vec::new();
+        for (r, row) in (0..).zip(self.rows) {
+            grid.title(r, &format!("{} {row}", self.words));
+            let mut panels = Vec::new();
+            for (c, column) in (0..).zip(self.columns) {
+                let words = format!("{} {row} {column}", self.words);
+                let words = words.split_whitespace().collect::<Vec<_>>().join(" ");
+                let command = format!(
+                    "incise render {words} --wireframe --background #ffffff \
+                     --size {side}x{side} -o {}.png",
+                    self.name
+                );
+                let panel = Panel::try_parse_from(command.split(' ').skip(1));
+                let panel = panel.map_err(|source| Failure::Figure {
+                    command: command.clone(),
+                    source: Box::new(source),
+                })?;
+                let bodies = panel.render.read(reporter)?;
+                let picture = panel.render.draw(renderer, &bodies)?;
+                let (triangles, cap_triangles) = bodies.count();
+                let label = format!("{column} {cap_triangles} cap triangles");
+                grid.put([c, r], &picture, label.trim());
+                panels.push(PanelEntry {
+                    command,
+                    pieces: bodies.pieces(),
+                    triangles,
+                    cap_triangles,
+                });
+            }
+            entries.push(panels);
         }
+        Ok((grid.into_image(), entries))
     }
-}
-
-fn write_index(path: &Path, index: &Index) -> Result<(), Failure> {
-    let mut text = Vec::new();
-    let written = write_report(index, &mut text).and_then(|()| std::fs::write(path, text));
-    let written = written.map_err(|source| RenderError::Write {
-        path: path.to_owned(),
-        source,
-    });
-    Ok(written?)
 }

@@ -11,7 +11,9 @@ use crate::numbers::{counted, positive};
 use crate::picture::PictureOptions;
 use crate::pieces::{check_target, output_path};
 use crate::reporter::Reporter;
-use bodies::{Bodies, InputWarning};
+pub(crate) use bodies::Bodies;
+use bodies::InputWarning;
+use incise_mesh::geometry::round_to_f32;
 use incise_pbd_gpu::{AdapterRequest, Context};
 use incise_render::{
     BodyView, Color, DrawList, Image, Line, Offscreen, Overlay, OverlayTriangle, RenderError,
@@ -75,6 +77,9 @@ struct LookOptions {
     /// Draw the blade's sweep, or the part of the plane within the body's box, translucent.
     #[arg(long, requires = "cutter")]
     show_sweep: bool,
+    /// Draw a checkerboard on texture coordinates: squares per unit of them.
+    #[arg(long, value_name = "N", value_parser = positive)]
+    checkers: Option<f64>,
 }
 
 /// Color of the sweep.
@@ -128,20 +133,12 @@ pub(crate) fn run(
         let path = output.clone();
         return Err(Failure::ImageFormat { path });
     }
-    let options = &arguments.cut;
-    let plan = options.is_cut().then(|| options.check()).transpose()?;
     for input in &arguments.inputs {
         check_target(output, input)?;
     }
-    let look = &arguments.look;
     let progress = reporter.stages(3);
     progress.begin("read and cut");
-    let (prepare, bodies) = timed(|| {
-        let mut bodies = Bodies::read(&arguments.inputs, arguments.reading, plan, reporter)?;
-        bodies.hide(&look.without)?;
-        bodies.explode(look.explode.unwrap_or(0.0));
-        Ok::<_, Failure>(bodies)
-    });
+    let (prepare, bodies) = timed(|| arguments.read(reporter));
     let mut bodies = bodies?;
     progress.step();
     progress.begin("draw");
@@ -192,15 +189,29 @@ pub(crate) fn run(
 }
 
 impl RenderArguments {
-    fn draw(&self, renderer: &Renderer, bodies: &Bodies) -> Result<Image, RenderError> {
+    /// Reads, cuts, hides and moves the meshes.
+    pub(crate) fn read(&self, reporter: &Reporter<impl Write>) -> Result<Bodies, Failure> {
+        let plan = self.cut.is_cut().then(|| self.cut.check()).transpose()?;
+        let mut bodies = Bodies::read(&self.inputs, self.reading, plan, reporter)?;
+        bodies.hide(&self.look.without)?;
+        bodies.explode(self.look.explode.unwrap_or(0.0));
+        Ok(bodies)
+    }
+
+    /// Draws the meshes.
+    pub(crate) fn draw(&self, renderer: &Renderer, bodies: &Bodies) -> Result<Image, RenderError> {
         let picture = &self.look.picture;
         let views = bodies.bodies.iter().map(|body| {
-            BodyView::from_surface(renderer, &body.surface, |t| {
+            let mut view = BodyView::from_surface(renderer, &body.surface, |t| {
                 let piece = body.piece_of(t)?;
                 Some(picture.triangle_color(body.is_cap(t), piece))
-            })
+            })?;
+            if let Some(squares) = self.look.checkers {
+                view.set_checkers(renderer, &body.surface, round_to_f32(squares))?;
+            }
+            Ok(view)
         });
-        let views: Vec<BodyView> = views.collect::<Result<_, _>>()?;
+        let views: Vec<BodyView> = views.collect::<Result<_, RenderError>>()?;
         let sheets = if self.look.show_sweep {
             bodies.sheets(self.cut.is_plane())
         } else {

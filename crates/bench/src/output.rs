@@ -2,7 +2,8 @@
 
 use crate::machine;
 use crate::options::OutputArguments;
-use crate::text_table::{Cells, text_table};
+use crate::text_table::text_table;
+use incise_params::Value;
 use incise_progress::{Progress, Visibility};
 use serde::Serialize;
 use std::error::Error;
@@ -68,7 +69,7 @@ pub(crate) struct Output<'a, P> {
     json: Option<(PathBuf, File)>,
     is_quiet: bool,
     /// Rows that are not printed yet.
-    rows: Vec<Cells>,
+    rows: Vec<Value>,
 }
 
 impl<'a, P: Serialize> Output<'a, P> {
@@ -173,7 +174,7 @@ impl<'a, P: Serialize> Output<'a, P> {
     pub(crate) fn table_of(&mut self, is_shown: impl Fn(usize) -> bool) -> io::Result<()> {
         let rows = std::mem::take(&mut self.rows);
         let rows = (0..).zip(rows).filter(|(i, _)| is_shown(*i));
-        let rows: Vec<Cells> = rows.map(|(_, row)| row).collect();
+        let rows: Vec<Value> = rows.map(|(_, row)| row).collect();
         if rows.is_empty() {
             return Ok(());
         }

@@ -1,48 +1,11 @@
 //! Tables of rows for a terminal, made from the fields of the rows.
 
-use serde::Deserialize;
-use serde::de::{Deserializer, MapAccess, Visitor};
-use std::fmt;
+use comfy_table::presets::NOTHING;
+use comfy_table::{CellAlignment, Table};
+use incise_params::Value;
 
 /// Largest width of a table \[characters\].
 const WIDTH: usize = 150;
-
-/// The fields of a row in their order.
-#[derive(Debug, Clone)]
-pub(crate) struct Cells(Vec<(String, Option<Cell>)>);
-
-/// A value of a field.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(untagged)]
-enum Cell {
-    Bool(bool),
-    Number(f64),
-    Text(String),
-    List(Vec<Option<Self>>),
-    Group(Cells),
-}
-
-impl<'de> Deserialize<'de> for Cells {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        struct InOrder;
-        impl<'de> Visitor<'de> for InOrder {
-            type Value = Cells;
-
-            fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-                out.write_str("an object")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Cells, A::Error> {
-                let mut cells = Vec::new();
-                while let Some(cell) = map.next_entry()? {
-                    cells.push(cell);
-                }
-                Ok(Cells(cells))
-            }
-        }
-        from.deserialize_map(InOrder)
-    }
-}
 
 /// A row as text: headings and cells, and texts that are too long for a table.
 #[derive(Debug, Default)]
@@ -52,28 +15,30 @@ struct TextRow {
 }
 
 impl TextRow {
-    fn new(row: &Cells) -> Self {
+    fn new(row: &Value) -> Self {
         let mut text = Self::default();
         text.add("", row);
         text
     }
 
-    fn add(&mut self, group: &str, cells: &Cells) {
-        for (name, cell) in &cells.0 {
-            let heading = format!("{group}{name}");
-            match cell {
-                Some(Cell::Group(cells)) => self.add(&format!("{heading}_"), cells),
-                Some(Cell::List(list)) => {
-                    let is_number = |cell: &Option<Cell>| matches!(cell, Some(Cell::Number(_)));
-                    if !list.iter().any(is_number) {
-                        self.cells.push((heading, list.len().to_string()));
-                        let texts = list.iter().map(|cell| text(cell.as_ref()));
-                        self.notes
-                            .extend(texts.map(|text| format!("{name}: {text}")));
-                    }
+    fn add(&mut self, heading: &str, value: &Value) {
+        match value {
+            Value::Map(fields) => {
+                for (name, value) in fields {
+                    let group = if heading.is_empty() { "" } else { "_" };
+                    self.add(&format!("{heading}{group}{name}"), value);
                 }
-                cell => self.cells.push((heading, text(cell.as_ref()))),
             }
+            Value::List(list) if list.iter().any(is_number) => {}
+            Value::List(list) => {
+                self.cells
+                    .push((heading.to_owned(), list.len().to_string()));
+                let notes = list
+                    .iter()
+                    .map(|value| format!("{heading}: {}", text(value)));
+                self.notes.extend(notes);
+            }
+            value => self.cells.push((heading.to_owned(), text(value))),
         }
     }
 
@@ -83,21 +48,17 @@ impl TextRow {
     }
 }
 
-fn text(cell: Option<&Cell>) -> String {
-    match cell {
-        None => "-".to_owned(),
-        Some(Cell::Bool(is)) => if *is { "yes" } else { "no" }.to_owned(),
-        Some(Cell::Number(x)) => number(*x),
-        Some(Cell::Text(text)) => text.clone(),
-        Some(Cell::List(list)) => format!("{} entries", list.len()),
-        Some(Cell::Group(cells)) => {
-            let parts = cells
-                .0
-                .iter()
-                .map(|(name, cell)| (name, text(cell.as_ref())));
-            let parts: Vec<String> = parts.map(|(name, text)| format!("{name} {text}")).collect();
-            parts.join(", ")
-        }
+fn is_number(value: &Value) -> bool {
+    matches!(value, Value::Count(_) | Value::Number(_))
+}
+
+fn text(value: &Value) -> String {
+    match value {
+        Value::None => "-".to_owned(),
+        Value::Flag(is) => if *is { "yes" } else { "no" }.to_owned(),
+        Value::Number(x) => number(*x),
+        Value::Text(text) => text.clone(),
+        other => other.to_string(),
     }
 }
 
@@ -117,48 +78,30 @@ pub(crate) fn number(x: f64) -> String {
 /// A column of a table.
 struct Column {
     /// Broken at underscores.
-    heading: Vec<String>,
+    heading: String,
     cells: Vec<String>,
     width: usize,
-    is_text: bool,
 }
 
 impl Column {
     fn new(heading: &str, rows: &[TextRow]) -> Self {
-        let cells: Vec<String> = rows
-            .iter()
-            .map(|row| row.cell(heading).to_owned())
-            .collect();
-        let longest = |texts: &[String]| texts.iter().map(|t| t.chars().count()).max().unwrap_or(0);
-        let width = longest(&cells);
-        let mut lines: Vec<String> = Vec::new();
-        for word in heading.split_inclusive('_') {
-            match lines.last_mut() {
-                Some(line) if line.len() + word.len() <= width => line.push_str(word),
-                _ => lines.push(word.to_owned()),
-            }
-        }
-        let has_word = |text: &String| text.chars().filter(char::is_ascii_alphabetic).count() > 1;
+        let cells = rows.iter().map(|row| row.cell(heading).to_owned());
+        let cells: Vec<String> = cells.collect();
+        let heading = heading.replace('_', "_\n");
+        let texts = cells.iter().map(String::as_str).chain(heading.lines());
         Self {
-            width: width.max(longest(&lines)),
-            heading: lines,
-            is_text: cells.iter().any(has_word),
+            width: texts.map(|text| text.chars().count()).max().unwrap_or(0),
+            heading,
             cells,
         }
     }
 
-    /// Returns a line of the table, whose headings have `height` lines.
-    fn line(&self, line: usize, height: usize) -> String {
-        let text = match line.checked_sub(height) {
-            Some(row) => self.cells.get(row),
-            None => (line + self.heading.len())
-                .checked_sub(height)
-                .and_then(|line| self.heading.get(line)),
-        };
-        let (text, width) = (text.map_or("", String::as_str), self.width);
-        match self.is_text {
-            true => format!("{text:<width$}"),
-            false => format!("{text:>width$}"),
+    /// Returns the side of its cells: words on the left, numbers on the right.
+    fn alignment(&self) -> CellAlignment {
+        let has_word = |text: &String| text.chars().filter(char::is_ascii_alphabetic).count() > 1;
+        match self.cells.iter().any(has_word) {
+            true => CellAlignment::Left,
+            false => CellAlignment::Right,
         }
     }
 }
@@ -166,7 +109,7 @@ impl Column {
 /// Formats rows as a table; fields of the same value in all rows are listed above it instead.
 ///
 /// A table wider than [`WIDTH`] becomes several, each with the column of names.
-pub(crate) fn text_table(rows: &[Cells]) -> String {
+pub(crate) fn text_table(rows: &[Value]) -> String {
     let rows: Vec<TextRow> = rows.iter().map(TextRow::new).collect();
     let mut headings: Vec<&str> = Vec::new();
     for (heading, _) in rows.iter().flat_map(|row| &row.cells) {
@@ -198,20 +141,25 @@ pub(crate) fn text_table(rows: &[Cells]) -> String {
     while !rest.is_empty() {
         let mut width = name.width;
         let fits = rest.iter().take_while(|column| {
-            width += column.width + 2;
+            width += column.width + 1;
             width <= WIDTH
         });
         let (now, later) = rest.split_at(fits.count().max(1));
         rest = later;
         let all: Vec<&Column> = [&name].into_iter().chain(now).collect();
-        let height = all.iter().map(|column| column.heading.len()).max();
-        let height = height.unwrap_or(0);
-        text.push('\n');
-        for line in 0..height + rows.len() {
-            let cells: Vec<String> = all.iter().map(|column| column.line(line, height)).collect();
-            text.push_str(cells.join("  ").trim_end());
-            text.push('\n');
+        let mut table = Table::new();
+        table.load_style(NOTHING);
+        table.set_header(all.iter().map(|column| &column.heading));
+        for row in 0..rows.len() {
+            table.add_row(all.iter().map(|column| &column.cells[row]));
         }
+        for (own, column) in table.column_iter_mut().zip(&all) {
+            own.set_padding((0, 1));
+            own.set_cell_alignment(column.alignment());
+        }
+        text.push('\n');
+        text.push_str(&table.trim_fmt());
+        text.push('\n');
     }
     for row in &rows {
         let notes = row
@@ -235,11 +183,11 @@ mod tests {
         ];
         let rows = rows.map(|row| serde_json::from_str(row).unwrap());
         let expected = "seed 1\n
-         ms_
+name     ms_ failures
         cut_
-name     all  failures
-a     0.5000         0
-bc         -         1
+         all
+a     0.5000        0
+bc         -        1
 bc: failures: no
 ";
         assert_eq!(text_table(&rows), expected);

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 const PLANE_MARGIN: f64 = 0.06;
 
 /// All meshes of an image.
-pub(super) struct Bodies {
+pub(crate) struct Bodies {
     pub(super) bodies: Vec<Body>,
     pieces: usize,
     /// Triangles that the sweep crosses; none without a cut.
@@ -118,7 +118,7 @@ impl Bodies {
     }
 
     /// Returns the number of pieces, hidden ones included.
-    pub(super) fn pieces(&self) -> usize {
+    pub(crate) fn pieces(&self) -> usize {
         self.pieces
     }
 
@@ -170,7 +170,7 @@ impl Bodies {
     }
 
     /// Returns the numbers of visible triangles and of caps among them.
-    pub(super) fn count(&self) -> (usize, usize) {
+    pub(crate) fn count(&self) -> (usize, usize) {
         let mut counts = (0, 0);
         for body in &self.bodies {
             for t in body.visible() {

@@ -1,11 +1,19 @@
-//! The figure of incisions: cuts that end inside, opened by pulling at the body.
+//! Draws cuts that end inside, opened by pulling at the body: five depths in one ball, a curved
+//! blade, a cross, and slits in cloth.
+//!
+//! ```sh
+//! cargo run --release -p incise-cli --example incisions -- incisions.png
+//! ```
 
-use super::figure::{ColoredSurface, Facts, FigureError, Panel, Row, letter};
-use super::slice::{against, color};
 use incise_cut::{CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, Vec3, VertexId, cube_sphere, sheet};
-use incise_pbd_gpu::{InteriorSprings, Material, Stiffness, Volume};
-use incise_scene::{Scene, SceneError, SceneParams};
+use incise_pbd_gpu::{AdapterRequest, Context, InteriorSprings, Material, Stiffness, Volume};
+use incise_render::{
+    Background, BodyView, Camera, Color, DrawList, FigureGrid, Offscreen, Renderer, View, Wireframe,
+};
+use incise_scene::{Scene, SceneParams};
+use std::error::Error;
+use std::path::Path;
 
 /// Radius of the ball \[m\].
 const RADIUS: f32 = 0.5;
@@ -13,10 +21,11 @@ const RADIUS: f32 = 0.5;
 const FRAMES: [u16; 2] = [30, 30];
 /// Number of points of the curved blade.
 const BLADE_POINTS: u8 = 25;
+/// Side of a panel [pixels].
+const SIDE: u32 = 320;
 
-/// Returns the incisions of a ball and of a cloth.
-pub(super) fn incisions() -> Result<Vec<Row>, FigureError> {
-    let from_above = against(Vec3::new(0.25, 0.8, 1.0));
+fn main() -> Result<(), Box<dyn Error>> {
+    let file = std::env::args_os().nth(1).ok_or("pass the name of a PNG")?;
     let depths = [0.1, 0.2, 0.3, 0.4, 0.5];
     let parallel: Vec<Sweep> = (depths.into_iter().zip([-0.23, -0.11, 0.01, 0.13, 0.25]))
         .map(|(depth, x)| downward(&[[x, -0.7], [x, 0.7]], RADIUS - depth))
@@ -27,38 +36,50 @@ pub(super) fn incisions() -> Result<Vec<Row>, FigureError> {
         .map(|edge| downward(edge, 0.1))
         .collect::<Result<_, _>>()?;
     let panels = [
-        ("five depths", ball(&parallel, bend)?, from_above),
-        ("a curved blade", ball(&[curved], bend)?, from_above),
-        ("a cross", ball(&cross, widen)?, from_above),
-        (
-            "slits in cloth",
-            cloth()?,
-            against(Vec3::new(0.3, 0.2, 1.0)),
-        ),
+        ("(a) five depths", ball(&parallel, bend)?, [14.0, 38.0]),
+        ("(b) a curved blade", ball(&[curved], bend)?, [14.0, 38.0]),
+        ("(c) a cross", ball(&cross, widen)?, [14.0, 38.0]),
+        ("(d) slits in cloth", cloth()?, [17.0, 11.0]),
     ];
-    let panels = panels.into_iter().enumerate();
-    let panels = panels.map(|(i, (name, surface, camera))| {
-        let shown = ColoredSurface::new(surface, |surface, t| Some(color(surface, t)));
-        let camera = camera.frame(shown.corners(), 1.0);
-        let facts = Facts {
-            method: Some("exact"),
-            ..Facts::default()
+    let context = Context::open(&AdapterRequest::any(None))?;
+    let renderer = Renderer::offscreen(context.device(), context.queue())?;
+    let offscreen = Offscreen::new(&renderer, SIDE, SIDE)?;
+    let mut grid = FigureGrid::new([SIDE; 2], 4, 1)?;
+    grid.title(0, "incisions, opened by pulling at the sides");
+    for (column, (label, surface, angles)) in (0..).zip(&panels) {
+        let body = BodyView::from_surface(&renderer, surface, |t| {
+            let is_wall = surface.material(t) == CutParams::default().cap_material;
+            Some(if is_wall { WALL } else { SKIN })
+        })?;
+        let [azimuth, elevation] = angles.map(f64::to_radians);
+        let corners = (surface.topology().vertices()).map(|v| surface.positions()[v.index()]);
+        let camera = Camera::from_angles(azimuth, elevation)
+            .frame(corners.map(|[x, y, z, _]| [x, y, z]), 1.0);
+        let view = View {
+            background: Background::Plain(Color::rgb(255, 255, 255)),
+            wireframe: Some(Wireframe::default()),
+            ..View::from_camera(camera)
         };
-        Panel::from_surfaces(
-            format!("({}) {name}", letter(i)),
-            camera,
-            vec![shown],
-            facts,
-        )
-    });
-    Ok(vec![Row {
-        title: "incisions, opened by pulling at the sides".to_owned(),
-        panels: panels.collect(),
-    }])
+        let content = DrawList {
+            bodies: &[&body],
+            overlays: &[],
+        };
+        grid.put(
+            [column, 0],
+            &offscreen.render(&renderer, &view, &content)?,
+            label,
+        );
+    }
+    context.check()?;
+    grid.into_image().write_png(Path::new(&file))?;
+    Ok(())
 }
 
+const SKIN: Color = Color::rgb(154, 174, 198);
+const WALL: Color = Color::rgb(222, 92, 66);
+
 /// Returns the sweep of a blade, given by its x and z, from above the ball down to a height \[m\].
-fn downward(edge: &[[f32; 2]], height: f32) -> Result<Sweep, FigureError> {
+fn downward(edge: &[[f32; 2]], height: f32) -> Result<Sweep, Box<dyn Error>> {
     let pose = |y: f32| edge.iter().map(|&[x, z]| [x, y, z]).collect::<Vec<_>>();
     Ok(Sweep::strip(&pose(2.0 * RADIUS), &pose(height))?)
 }
@@ -74,7 +95,7 @@ fn s_curve() -> Vec<[f32; 2]> {
 }
 
 /// Returns a soft ball with incisions after its pinned vertices have moved.
-fn ball(sweeps: &[Sweep], target: fn(Vec3) -> Option<Vec3>) -> Result<Surface, FigureError> {
+fn ball(sweeps: &[Sweep], target: fn(Vec3) -> Option<Vec3>) -> Result<Surface, Box<dyn Error>> {
     let material = Material {
         stretch: Stiffness::Compliance(1e-4),
         volume: Some(Volume::default()),
@@ -89,7 +110,7 @@ fn ball(sweeps: &[Sweep], target: fn(Vec3) -> Option<Vec3>) -> Result<Surface, F
 }
 
 /// Returns a cloth with staggered slits after its sides have moved apart.
-fn cloth() -> Result<Surface, FigureError> {
+fn cloth() -> Result<Surface, Box<dyn Error>> {
     let mut sweeps = Vec::new();
     for (column, x) in (0u8..).zip([-0.3, -0.18, -0.06, 0.06, 0.18, 0.3]) {
         let heights: &[f32] = match column % 2 {
@@ -115,7 +136,7 @@ fn pulled(
     sweeps: &[Sweep],
     material: &Material,
     target: fn(Vec3) -> Option<Vec3>,
-) -> Result<Surface, FigureError> {
+) -> Result<Surface, Box<dyn Error>> {
     let mut cutter = Cutter::new(&surface);
     for sweep in sweeps {
         let _ = cutter.incise(&mut surface, sweep, &CutParams::default())?;
@@ -131,7 +152,7 @@ fn pulled(
     let body = scene.add_body(surface, material)?;
     let (solver, surface) = scene.edit(body)?.solver_mut();
     for &(v, ..) in &pins {
-        solver.pin(surface, v).map_err(SceneError::from)?;
+        solver.pin(surface, v)?;
     }
     let [moving, resting] = FRAMES;
     for frame in 1..=moving + resting {
