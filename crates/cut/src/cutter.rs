@@ -1,8 +1,6 @@
 //! [`Cutter`]: cuts a surface along sweeps, keeps its BVH up to date and refuses a stale one.
 
 mod advance;
-#[cfg(feature = "serde")]
-mod saved;
 
 use crate::error::CutError;
 use crate::exact::{Exact, has_walls};
@@ -15,10 +13,10 @@ use crate::params::{Caps, CutMethod, CutParams};
 use crate::separate::Separator;
 use crate::sweep::Sweep;
 use advance::Continuation;
+#[cfg(feature = "serde")]
+use incise_mesh::InvalidBvh;
 use incise_mesh::{Bvh, Surface, TopologyDelta, TriangleId, Undo, UndoError, VertexId};
 use incise_refine::Section;
-#[cfg(feature = "serde")]
-pub use saved::SavedCutter;
 use std::num::NonZeroUsize;
 use web_time::Instant;
 
@@ -33,32 +31,48 @@ const MIN_SHARED: usize = 1 << 14;
 /// Cuts one surface repeatedly: its BVH and scratch memory.
 ///
 /// The BVH follows cuts by itself. After any other change of the surface, call [`Self::refit`].
+///
+/// With the feature `serde`, `finish_load` must follow its `Deserialize`.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Cutter {
     bvh: Bvh,
     /// The state of the surface that the BVH fits.
     version: SurfaceVersion,
+    #[cfg_attr(feature = "serde", serde(skip))]
     candidates: Vec<TriangleId>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     facets: Facets,
+    #[cfg_attr(feature = "serde", serde(skip))]
     trace: Trace,
     exact: Exact,
+    #[cfg_attr(feature = "serde", serde(skip))]
     separator: Separator,
     /// Whether the surface may have a boundary, so that it must be asked which pieces are sheets.
     has_sheets: bool,
     /// Whether the surface has walls of incisions, so that cuts are checked.
     has_walls: bool,
     /// Whether cuts leave the update of the BVH to [`Cutter::update_bvh`].
+    #[cfg_attr(feature = "serde", serde(skip))]
     defers_bvh: bool,
     /// See [`Cutter::set_threads`].
+    #[cfg_attr(feature = "serde", serde(skip, default = "one_thread"))]
     threads: Option<NonZeroUsize>,
+}
+
+/// Returns the default of [`Cutter::set_threads`].
+const fn one_thread() -> Option<NonZeroUsize> {
+    Some(NonZeroUsize::MIN)
 }
 
 /// A state of a surface: equal for equal triangles and positions, and for no others.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct SurfaceVersion {
     /// [`Surface::fingerprint`]: the edits.
     topology: u64,
     /// [`Surface::motion_version`]: the motion.
+    #[cfg_attr(feature = "serde", serde(skip))]
     motion: u64,
 }
 
@@ -75,13 +89,8 @@ impl Cutter {
     /// Builds the BVH of `surface`. O(n log n).
     #[must_use]
     pub fn new(surface: &Surface) -> Self {
-        Self::with_bvh(Bvh::build(surface), surface)
-    }
-
-    /// Creates a cutter with a BVH that fits `surface`.
-    fn with_bvh(bvh: Bvh, surface: &Surface) -> Self {
         Self {
-            bvh,
+            bvh: Bvh::build(surface),
             version: SurfaceVersion::new(surface),
             candidates: Vec::new(),
             facets: Facets::default(),
@@ -91,8 +100,25 @@ impl Cutter {
             has_sheets: !surface.topology().is_closed(),
             has_walls: has_walls(surface),
             defers_bvh: false,
-            threads: Some(NonZeroUsize::MIN),
+            threads: one_thread(),
         }
+    }
+
+    /// Completes a cutter that was read with serde, for its surface, which must be valid. O(n).
+    ///
+    /// Its BVH fits the present positions. It is built again if something else than the cutter has
+    /// edited the surface.
+    ///
+    /// # Errors
+    /// [`InvalidBvh`] if it is not a cutter of the surface.
+    #[cfg(feature = "serde")]
+    pub fn finish_load(&mut self, surface: &Surface) -> Result<(), InvalidBvh> {
+        if self.version.topology != surface.fingerprint() {
+            *self = Self::new(surface);
+            return Ok(());
+        }
+        self.version = SurfaceVersion::new(surface);
+        self.bvh.finish_load(surface)
     }
 
     /// Sets whether cuts defer the update of the BVH to [`Self::update_bvh`].

@@ -82,6 +82,23 @@ pub(crate) struct Exact {
     cap: Cap,
 }
 
+/// Saves whether the surface has cavities. The rest is scratch memory.
+#[cfg(feature = "serde")]
+impl serde::Serialize for Exact {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.chains.has_cavities.serialize(serializer)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for Exact {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let mut exact = Self::default();
+        exact.chains.has_cavities = Option::deserialize(deserializer)?;
+        Ok(exact)
+    }
+}
+
 impl Exact {
     /// Iterates over the sections of the last cut and the target edge length at each point.
     pub(crate) fn sections(&self) -> impl Iterator<Item = (Section<'_>, &[f64])> {
@@ -92,20 +109,6 @@ impl Exact {
     /// Forgets what is known about a surface that was edited by something else.
     pub(crate) fn forget(&mut self) {
         self.chains.has_cavities = None;
-    }
-
-    /// Returns whether the surface has cavities, if that is known.
-    #[cfg(feature = "serde")]
-    pub(crate) fn has_cavities(&self) -> Option<bool> {
-        self.chains.has_cavities
-    }
-
-    /// Creates the memory of a surface of which is known whether it has cavities.
-    #[cfg(feature = "serde")]
-    pub(crate) fn with_cavities(has_cavities: Option<bool>) -> Self {
-        let mut exact = Self::default();
-        exact.chains.has_cavities = has_cavities;
-        exact
     }
 
     /// Cuts `surface` along intersection curves. See the module.

@@ -2,8 +2,6 @@
 
 mod columns;
 mod path;
-#[cfg(feature = "serde")]
-mod saved;
 
 use crate::error::CutError;
 use crate::intersection::facets::ContinuedTip;
@@ -12,8 +10,6 @@ use columns::{Column, is_at_boundary, point_at, spread};
 use incise_mesh::geometry::{to_f32, to_f64};
 use incise_mesh::{Bvh, HalfEdge, Surface, Vec3, VertexId};
 use path::{Path, do_vanish};
-#[cfg(feature = "serde")]
-pub use saved::SavedIncision;
 
 /// Motion of the blade after which the cut goes on [local edge lengths].
 ///
@@ -37,7 +33,10 @@ const PATH_WIDTH: f64 = 0.25;
 ///
 /// The undo of a cut does not restore it: keep a clone from before each step and put that back, or
 /// call [`Self::restart`].
+///
+/// With the feature `serde`, `validate` must follow its `Deserialize`.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Incision {
     pose: Vec<[f32; 3]>,
     tip: Vec<TipPoint>,
@@ -51,6 +50,7 @@ pub struct Incision {
 
 /// A vertex of the tip.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct TipPoint {
     pub(crate) vertex: VertexId,
     /// Its rest position, by which it is recognized \[m\].
@@ -87,6 +87,23 @@ impl Incision {
     #[must_use]
     pub fn sweep(&self) -> Option<&Sweep> {
         self.sweep.as_ref()
+    }
+
+    /// Checks an incision that was read with serde.
+    ///
+    /// Vertices of its tip that the surface does not have end the incision at its next step.
+    ///
+    /// # Errors
+    /// [`CutError::PolylineLength`] for a blade of less than two points, and as [`Sweep::strip`].
+    #[cfg(feature = "serde")]
+    pub fn validate(&self) -> Result<(), CutError> {
+        let Path { entry, tips } = &self.path;
+        let is_cut_off = |line: &[[f32; 3]], is_used: bool| is_used && line.len() < 2;
+        if is_cut_off(&self.pose, !self.tip.is_empty()) || is_cut_off(entry, !tips.is_empty()) {
+            let (previous, current) = (entry.len(), self.pose.len());
+            return Err(CutError::PolylineLength { previous, current });
+        }
+        self.sweep.as_ref().map_or(Ok(()), Sweep::check)
     }
 
     /// Ends the incision where it is; the next motion of the blade starts at `pose` \[m\].

@@ -18,12 +18,8 @@ mod sweep;
 pub use blade_position::blade_starts_inside;
 pub use cap_marker::CapMarker;
 pub use cutter::Cutter;
-#[cfg(feature = "serde")]
-pub use cutter::SavedCutter;
 pub use error::CutError;
 pub use incision::Incision;
-#[cfg(feature = "serde")]
-pub use incision::SavedIncision;
 pub use outcome::{CutOutcome, CutReport};
 pub use params::{Caps, CutMethod, CutParams, ExactParams, PaperParams};
 pub use stroke::{Stroke, StrokeError};

@@ -13,9 +13,37 @@ use smallvec::SmallVec;
 /// point i + 1 and need not lie in one plane. If the blade turned over they overlap: the overlap
 /// is cut twice, and a piece without volume is left between.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sweep {
     /// The points of the previous frame, then those of the current one.
+    #[cfg_attr(feature = "serde", serde(with = "points"))]
     points: SmallVec<[[f32; 3]; 4]>,
+}
+
+/// Saves points like a `Vec`.
+#[cfg(feature = "serde")]
+mod points {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use smallvec::SmallVec;
+
+    type Points = SmallVec<[[f32; 3]; 4]>;
+
+    pub(super) fn serialize<S: Serializer>(points: &Points, to: S) -> Result<S::Ok, S::Error> {
+        points.as_slice().serialize(to)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Points, D::Error> {
+        Vec::deserialize(from).map(SmallVec::from_vec)
+    }
+}
+
+/// Checks the numbers of points of a polyline, see [`Sweep::strip`].
+fn check_lengths(previous: &[[f32; 3]], current: &[[f32; 3]]) -> Result<(), CutError> {
+    let (previous, current) = (previous.len(), current.len());
+    if previous < 2 || previous != current {
+        return Err(CutError::PolylineLength { previous, current });
+    }
+    Ok(())
 }
 
 impl Sweep {
@@ -34,22 +62,26 @@ impl Sweep {
     /// [`CutError::SweepNotFinite`]; and [`CutError::BladeDegenerate`] when no triangle has an
     /// area.
     pub fn strip(previous: &[[f32; 3]], current: &[[f32; 3]]) -> Result<Self, CutError> {
-        if previous.len() < 2 || previous.len() != current.len() {
-            return Err(CutError::PolylineLength {
-                previous: previous.len(),
-                current: current.len(),
-            });
-        }
-        let points: SmallVec<[[f32; 3]; 4]> = previous.iter().chain(current).copied().collect();
-        if let Some(corner) = (points.iter()).position(|p| p.iter().any(|x| !x.is_finite())) {
+        check_lengths(previous, current)?;
+        let sweep = Self {
+            points: previous.iter().chain(current).copied().collect(),
+        };
+        sweep.check()?;
+        Ok(sweep)
+    }
+
+    /// Checks the points, see [`Self::strip`].
+    pub(crate) fn check(&self) -> Result<(), CutError> {
+        let (previous, current) = self.points.split_at(self.points.len() / 2);
+        check_lengths(previous, current)?;
+        if let Some(corner) = (self.points.iter()).position(|p| p.iter().any(|x| !x.is_finite())) {
             return Err(CutError::SweepNotFinite { corner });
         }
-        let sweep = Self { points };
         // Not the sum: in a bow tie, a blade that turned over, the two cancel.
-        if (sweep.triangles()).all(|t| area_vector(t).norm() == 0.0) {
+        if (self.triangles()).all(|t| area_vector(t).norm() == 0.0) {
             return Err(CutError::BladeDegenerate);
         }
-        Ok(sweep)
+        Ok(())
     }
 
     /// Returns the sweep that ends displaced by `length` \[m\], off its plane and along its motion.

@@ -21,6 +21,8 @@
 mod assemble;
 mod build;
 mod cast;
+#[cfg(feature = "serde")]
+mod load;
 mod morton;
 mod motion_bounds;
 mod nearest;
@@ -28,8 +30,6 @@ mod pieces;
 mod query;
 mod reach;
 mod refit;
-#[cfg(feature = "serde")]
-mod saved;
 #[cfg(test)]
 mod tests;
 mod update;
@@ -42,8 +42,6 @@ pub(crate) use morton::sort_along_curve;
 pub use motion_bounds::MotionBounds;
 pub use nearest::NearestPoint;
 pub use reach::MovingPoint;
-#[cfg(feature = "serde")]
-pub use saved::SavedBvh;
 pub use validate::InvalidBvh;
 
 use crate::{Aabb, Surface, TriangleId, VertexId};
@@ -60,37 +58,50 @@ const MAX_HEIGHT: usize = 64;
 const NONE: u32 = u32::MAX;
 
 /// A bounding volume hierarchy over the triangles of a surface.
+///
+/// With the feature `serde`, `finish_load` must follow its `Deserialize`.
 #[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bvh {
     /// The root, an unused node, and the children pair by pair.
     nodes: Vec<Node>,
     /// A block below each node, which determines the node's piece.
+    #[cfg_attr(feature = "serde", serde(skip))]
     samples: Vec<u32>,
     /// Parent node of each pair; 0 for pair 0.
+    #[cfg_attr(feature = "serde", serde(skip))]
     parents: Vec<u32>,
     free_pairs: Vec<u32>,
     blocks: Vec<Block>,
     /// Leaf node of each block.
+    #[cfg_attr(feature = "serde", serde(skip))]
     leaves: Vec<u32>,
     free_blocks: Vec<u32>,
     /// Place of each triangle slot: `LEAF_SIZE * block + entry`.
+    #[cfg_attr(feature = "serde", serde(skip))]
     places: Vec<u32>,
     /// Whether a box was fitted to a position that is not finite.
+    #[cfg_attr(feature = "serde", serde(skip))]
     has_nonfinite: bool,
+    #[cfg_attr(feature = "serde", serde(skip))]
     scratch: update::Scratch,
 }
 
 /// A bounding box and its content.
 #[derive(Debug, Clone, Copy, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Node {
+    #[cfg_attr(feature = "serde", serde(skip))]
     bounds: Aabb,
     /// Block of a leaf, or left child of an inner node; the right child follows it.
     index: u32,
     /// Number of levels below; 0 for a leaf.
+    #[cfg_attr(feature = "serde", serde(skip))]
     height: u8,
     /// Number of triangles of a leaf.
     count: u8,
     /// Whether something below has changed since the box was fitted.
+    #[cfg_attr(feature = "serde", serde(skip))]
     touched: bool,
     /// Whether it joins subtrees of different pieces.
     has_pieces: bool,
@@ -104,8 +115,10 @@ impl Node {
 
 /// The triangles of a leaf with their vertices.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Block {
     triangles: [TriangleId; LEAF_SIZE],
+    #[cfg_attr(feature = "serde", serde(skip))]
     corners: [[VertexId; 3]; LEAF_SIZE],
 }
 

@@ -25,18 +25,13 @@ pub(crate) enum Step {
 /// Equal hashes mean equal connectivity, pieces and slots; motion does not count. An undo compares
 /// and restores it. It does not depend on the machine.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct History(u64);
 
 impl History {
     /// Returns the fingerprint.
     pub(crate) fn value(self) -> u64 {
         self.0
-    }
-
-    /// Returns the history with a fingerprint.
-    #[cfg(feature = "serde")]
-    pub(crate) fn from_value(value: u64) -> Self {
-        Self(value)
     }
 
     /// Mixes in an edit of the element `id`.

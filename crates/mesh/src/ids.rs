@@ -60,6 +60,13 @@ macro_rules! id {
             }
         }
 
+        impl Default for $name {
+            /// Returns the null id.
+            fn default() -> Self {
+                Self::NULL
+            }
+        }
+
         impl fmt::Display for $name {
             fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 if self.is_null() {

@@ -44,8 +44,7 @@ pub use quality::{AngleStats, EdgeStats};
 pub use render_buffers::{RenderBuffers, RenderParams};
 #[cfg(feature = "serde")]
 pub use save::{
-    Archive, ArchiveError, FORMAT_VERSION, FileKind, SavedBvh, SavedSurface, read_archive,
-    write_archive,
+    Archive, ArchiveError, FORMAT_VERSION, FileKind, ProgramVersion, read_archive, write_archive,
 };
 pub use shapes::{cube_sphere, icosphere, sheet, torus};
 pub use surface::{

@@ -2,8 +2,10 @@
 
 /// The triangle count of every piece, updated by every edit.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Pieces {
     /// Piece number and count, ascending, for pieces with triangles.
+    #[cfg_attr(feature = "serde", serde(skip))]
     counts: Vec<(u32, u32)>,
     /// Upper bound of all numbers ever used, exclusive.
     bound: u32,

@@ -1,18 +1,18 @@
 //! Saving and loading of surfaces, and the file format that scenes share.
 //!
-//! A `Saved` type is the content of a file as plain data, apart from the structures in memory.
-//! [`SavedSurface`] and [`SavedBvh`] are those of this crate; the solver, the cutter and the scene
-//! have their own. They implement `Serialize` and `Deserialize`. Loading validates everything that
-//! code relies on, so a file cannot break an invariant.
+//! The types of a state implement `Serialize` and `Deserialize` themselves. Scratch memory and
+//! fields that follow from others are skipped. A method `finish_load` makes these again and
+//! validates everything that code relies on, so a file cannot break an invariant.
 //!
-//! **Versions.** A change of any `Saved` type, or of a type within one, needs a new
-//! [`FORMAT_VERSION`]. The old types stay beside the new ones, with a conversion, so that old
-//! files load. A file of every version is among the tests. Until the first release version 1
-//! changes, and its file with it.
+//! **Versions.** [`FORMAT_VERSION`] is the version of the layout: of all saved fields, their types
+//! and their order. A change of the layout needs a new version; there are no conversions. So a file
+//! is read by programs of its version. Others refuse it and name both versions and the program that
+//! wrote it. A test of `incise-scene` compares the layout with that of stored files, see
+//! `crates/scene/tests/contract/save.rs`.
 
 mod archive;
 mod surface;
 
-pub use crate::bvh::SavedBvh;
-pub use archive::{Archive, ArchiveError, FORMAT_VERSION, FileKind, read_archive, write_archive};
-pub use surface::SavedSurface;
+pub use archive::{
+    Archive, ArchiveError, FORMAT_VERSION, FileKind, ProgramVersion, read_archive, write_archive,
+};

@@ -26,7 +26,10 @@ pub use validate::InvalidSurface;
 ///
 /// Surfaces are equal if their arrays are equal. A new surface and every clone reserve a quarter of
 /// their size, so that the first edits do not reallocate; see [`Surface::reserve`].
+///
+/// With the feature `serde`, `finish_load` must follow its `Deserialize`, which `load` does.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Surface {
     pub(crate) topology: Topology,
     /// Position \[m\] and inverse mass \[1/kg\], 0 = pinned, shape \[vertex slots\].
@@ -45,6 +48,7 @@ pub struct Surface {
     pub(crate) pieces: Pieces,
     pub(crate) history: History,
     /// The stamp of the last access to positions for writing, see [`Surface::motion_version`].
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) motion: u64,
 }
 

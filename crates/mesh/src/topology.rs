@@ -81,6 +81,7 @@ pub struct InvalidTopology {
 ///
 /// The documentation of its module describes the arrays.
 #[derive(Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Topology {
     pub(crate) origin: Vec<VertexId>,
     pub(crate) twin: Vec<HalfEdge>,

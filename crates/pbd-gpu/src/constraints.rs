@@ -10,9 +10,9 @@ pub(crate) mod coloring;
 pub(crate) mod contacts;
 pub(crate) mod edges;
 pub(crate) mod interior_springs;
-pub(crate) mod rest;
 #[cfg(feature = "serde")]
-pub(crate) mod saved;
+mod load;
+pub(crate) mod rest;
 mod validate;
 pub(crate) mod volumes;
 
@@ -31,6 +31,7 @@ use volumes::VolumeSet;
 
 /// All constraints of a body.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Constraints {
     pub(crate) stretch: StretchSet,
     pub(crate) bending: Option<BendingSet>,
@@ -38,12 +39,14 @@ pub(crate) struct Constraints {
     pub(crate) volumes: VolumeSet,
     pub(crate) contacts: ContactSet,
     pub(crate) colliders: Colliders,
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) attachments: LongRangeAttachments,
     /// The stretch and bending constraint of every edge.
     pub(crate) edges: EdgeTable,
     /// Patches, which assign constraints to layers; `None` for one layer.
     pub(crate) patches: Option<Patches>,
     /// Constraints by patch, see [`Self::update_patch_contents`].
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) patch_contents: PatchContents,
 }
 

@@ -224,9 +224,6 @@ pub enum InvalidSolver {
         /// The array.
         array: &'static str,
     },
-    /// The solver takes the global step, which this build does not have.
-    #[error("the saved solver takes the global step; build with the feature global")]
-    NoGlobalStep,
 }
 
 /// An error of loading a body.

@@ -10,11 +10,11 @@ pub(crate) mod delta;
 pub(crate) mod mass_transfer;
 pub(crate) mod momentum;
 mod pins;
-#[cfg(feature = "serde")]
-pub(crate) mod saved;
 pub(crate) mod undo_state;
 
 use crate::constraints::edges::EdgeLists;
+#[cfg(feature = "serde")]
+use crate::error::InvalidSolver;
 use changes::ChangeLog;
 use incise_mesh::VertexId;
 use mass_transfer::MassTransfer;
@@ -23,7 +23,9 @@ use undo_state::UndoStack;
 
 /// State that edits need from one another, and their scratch memory.
 #[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct FollowState {
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) log: ChangeLog,
     undo: UndoStack,
     /// Whether the last edit was an undo of a body that had moved since the undone edit.
@@ -31,6 +33,7 @@ pub(crate) struct FollowState {
     dropped_pins: DroppedPins,
     /// First vertices of the interior springs that the last edit removed.
     lost_interior_springs: Vec<VertexId>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     scratch: Scratch,
 }
 
@@ -50,6 +53,20 @@ impl Clone for Scratch {
 }
 
 impl FollowState {
+    /// Checks a state that was read with serde, of a body with `slots` vertex slots.
+    ///
+    /// # Errors
+    /// [`InvalidSolver::Array`].
+    #[cfg(feature = "serde")]
+    pub(crate) fn validate(&self, slots: usize) -> Result<(), InvalidSolver> {
+        let is_slot = |v: VertexId| v.index() < slots;
+        let is_valid = self.undo.is_valid(is_slot)
+            && self.dropped_pins.is_valid()
+            && self.lost_interior_springs.iter().all(|&v| is_slot(v));
+        let array = "states before edits";
+        is_valid.then_some(()).ok_or(InvalidSolver::Array { array })
+    }
+
     /// Allocates scratch memory for a body of `slots` vertices and for more `vertices`.
     pub(crate) fn reserve(&mut self, slots: usize, vertices: usize) {
         self.scratch.mass_transfer.reserve(slots, vertices);

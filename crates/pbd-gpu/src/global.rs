@@ -29,6 +29,8 @@ mod energy;
 mod free_pieces;
 mod job;
 mod lanes;
+#[cfg(feature = "serde")]
+mod load;
 mod local;
 mod matrix;
 mod minimizer;
@@ -36,8 +38,6 @@ mod objective;
 mod obstacles;
 mod pieces;
 mod preconditioner;
-#[cfg(feature = "serde")]
-mod saved;
 #[cfg(test)]
 mod tests;
 mod volumes;
@@ -78,18 +78,25 @@ pub struct GlobalStats {
 
 /// The state of the global step of one body.
 #[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct GlobalStep {
     preconditioner: Preconditioner,
+    #[cfg_attr(feature = "serde", serde(skip))]
     minimizer: Minimizer,
+    #[cfg_attr(feature = "serde", serde(skip))]
     pieces: PieceMotions,
     /// Iterations of a substep in this frame.
+    #[cfg_attr(feature = "serde", serde(skip))]
     iterations: u32,
     /// Iterations that are left of this substep.
+    #[cfg_attr(feature = "serde", serde(skip))]
     iterations_left: u32,
     /// Size of the body \[m\], if it settles.
+    #[cfg_attr(feature = "serde", serde(skip))]
     settling_size: Option<f64>,
     /// Bound of the kinetic term of the substep relative to rigid pieces [kg m^2], if the body
     /// settles.
+    #[cfg_attr(feature = "serde", serde(skip))]
     max_relative_kinetic: Option<f64>,
 }
 

@@ -35,8 +35,6 @@ pub use gpu::{
 pub use material::{Density, InteriorSprings, Material, Stiffness, Volume};
 pub use particles::Pin;
 pub use patches::{PATCH_VERTICES, PatchParams};
-#[cfg(feature = "serde")]
-pub use solver::SavedSolver;
 pub use solver::Solver;
 pub use step::constants::{Projection, StepConstants, VolumeProjection};
 pub use step::island::{Island, IslandBody, IslandError};

@@ -4,6 +4,7 @@ use incise_mesh::VertexId;
 
 /// The masses, velocities and pins of a body. Particle i is vertex i.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Particles {
     /// Mass \[kg\], 0 for unused slots, shape [vertex slots].
     pub(crate) mass: Vec<f32>,

@@ -10,8 +10,6 @@ pub(crate) mod content;
 mod cover;
 mod divide;
 mod patching;
-#[cfg(feature = "serde")]
-mod saved;
 #[cfg(test)]
 mod tests;
 
@@ -22,8 +20,6 @@ use cover::{Stencil, cover};
 use divide::divide;
 use incise_mesh::{Surface, Topology, TopologyDelta, VertexId};
 pub(crate) use patching::Patching;
-#[cfg(feature = "serde")]
-pub(crate) use saved::SavedPatches;
 
 /// Maximum number of vertices of a patch, limited by the memory of a workgroup.
 pub const PATCH_VERTICES: u32 = 256;
@@ -91,6 +87,7 @@ impl Home {
 
 /// The patchings of a body, see the [module](self).
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Patches {
     /// The constraints within patches of patching `i` are layer `i + 1`.
     patchings: [Patching; LAYERS - 1],
@@ -99,6 +96,28 @@ pub(crate) struct Patches {
 }
 
 impl Patches {
+    /// Completes patches that were read with serde, of their surface.
+    ///
+    /// # Errors
+    /// The broken rule.
+    #[cfg(feature = "serde")]
+    pub(crate) fn finish_load(&mut self, surface: &Surface) -> Result<(), &'static str> {
+        let capacity = self.patchings[0].capacity();
+        let params = PatchParams {
+            vertices: capacity,
+            room: capacity.wrapping_sub(u32::try_from(self.new_size).unwrap_or(0)),
+        };
+        if params.check().is_err() {
+            return Err("patches have a limited size");
+        }
+        let slots = surface.topology().vertex_slots();
+        let mut patchings = self.patchings.iter_mut();
+        if !patchings.all(|patching| patching.finish_load(capacity, slots).is_some()) {
+            return Err("patches are disjoint and have vertices of the surface");
+        }
+        self.check(surface)
+    }
+
     /// Divides a surface by rest positions, and finds the homes of its edges.
     ///
     /// With `bends`, constraints of an edge include its opposite vertices.

@@ -7,9 +7,9 @@
 mod constraints;
 mod edits;
 mod join;
-mod particles;
 #[cfg(feature = "serde")]
-mod saved;
+mod load;
+mod particles;
 #[cfg(feature = "global")]
 mod scheme;
 
@@ -29,14 +29,15 @@ use crate::step::plan::StepPlan;
 use crate::step::prepare::{Touch, prepare, takes_global_step};
 use crate::step::substeps::{Lengths, substeps};
 use incise_mesh::Surface;
-#[cfg(feature = "serde")]
-pub use saved::SavedSolver;
 
 /// Steps one surface by position based dynamics.
 ///
 /// It is Algorithm 1 of the paper, and XPBD where a material has compliance. Particle i is vertex
 /// i. Positions and inverse masses are in [`Surface::positions`], everything else is in the solver.
+///
+/// With the feature `serde`, `finish_load` must follow its `Deserialize`, which `load` does.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Solver {
     material: Material,
     particles: Particles,
@@ -44,6 +45,7 @@ pub struct Solver {
     step: StepState,
     follow: FollowState,
     /// Memory of its steps as an island of one.
+    #[cfg_attr(feature = "serde", serde(skip))]
     island: Island,
 }
 

@@ -5,13 +5,13 @@ pub(crate) mod body;
 mod body_step;
 pub(crate) mod constants;
 pub(crate) mod island;
+#[cfg(feature = "serde")]
+mod load;
 pub(crate) mod params;
 pub(crate) mod pass;
 pub(crate) mod plan;
 pub(crate) mod prepare;
 pub(crate) mod rounds;
-#[cfg(feature = "serde")]
-pub(crate) mod saved;
 pub(crate) mod second_order;
 pub(crate) mod stage;
 pub(crate) mod substeps;
@@ -21,8 +21,17 @@ use params::StepStats;
 use plan::StepPlan;
 use second_order::History;
 
+#[cfg(feature = "global")]
+use crate::global::GlobalStep;
+
+/// The global step of a build without it: files have its place, and it is never there.
+#[cfg(all(feature = "serde", not(feature = "global")))]
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
+pub(crate) enum GlobalStep {}
+
 /// State that a step hands to the next one.
 #[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct StepState {
     pub(crate) plan: StepPlan,
     pub(crate) history: History,
@@ -34,20 +43,21 @@ pub(crate) struct StepState {
     pub(crate) substeps: u32,
     pub(crate) stats: StepStats,
     /// The global step of a body that takes it when it touches nothing.
-    #[cfg(feature = "global")]
-    pub(crate) global: Option<Box<crate::global::GlobalStep>>,
+    #[cfg(any(feature = "global", feature = "serde"))]
+    pub(crate) global: Option<Box<GlobalStep>>,
     /// The scheme of the body in this frame, which the CPU steps.
     #[cfg(feature = "global")]
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) choice: crate::global::Choice,
     /// The size of the body since its last edit, once a frame has asked for it.
     #[cfg(feature = "global")]
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) extent: Option<crate::global::Extent>,
     /// Whether parameters, material and time step chose the global step in the last frame.
-    #[cfg(feature = "global")]
+    #[cfg(any(feature = "global", feature = "serde"))]
     pub(crate) was_global_chosen: bool,
-    /// Remaining time of settling \[s\]; above [`crate::global::SETTLING_TIME`] the body takes
-    /// sweeps first.
-    #[cfg(feature = "global")]
+    /// Remaining time of settling \[s\]; above `SETTLING_TIME` the body takes sweeps first.
+    #[cfg(any(feature = "global", feature = "serde"))]
     pub(crate) settling_time_left: f32,
 }
 

@@ -1,10 +1,10 @@
 //! [`Body`]: a soft body of a [`crate::Scene`], its surface, solver and cutter kept consistent.
 
 mod id;
+#[cfg(feature = "serde")]
+mod load;
 mod parts;
 mod pieces;
-#[cfg(feature = "serde")]
-mod saved;
 
 use crate::blade::{Blade, BladeMode};
 use crate::contacts::ContactParams;
@@ -17,20 +17,20 @@ use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Incision, Sweep};
 use incise_mesh::{Aabb, Bvh, RayHit, Surface, Undo, Vec3, VertexId};
 use incise_pbd_gpu::{ConstraintError, Material, PatchParams, Solver};
 pub(crate) use pieces::{piece_of, vertices_of};
-#[cfg(feature = "serde")]
-pub(crate) use saved::SavedBody;
 use std::num::NonZeroUsize;
 use std::time::Duration;
 use web_time::Instant;
 
 /// A soft body of one material. It stays one body when it is cut into pieces.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Body {
     surface: Surface,
     solver: Solver,
     cutter: Cutter,
     /// Incisions by the numbers of their blades.
     incisions: Vec<(usize, Incision)>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     spring_search: InteriorSpringSearch,
     /// As of the last [`Body::measure_pieces`].
     piece_shapes: PieceShapes,
@@ -39,15 +39,19 @@ pub struct Body {
     /// A bounding box that the body has not left, if its motion since is known.
     loose_bounds: Option<LooseBounds>,
     /// Whether the body was handed out for edits that are not validated yet.
+    #[cfg_attr(feature = "serde", serde(skip))]
     is_edited: bool,
     /// The surface's edit history at the last cut that the constraints followed.
+    #[cfg_attr(feature = "serde", serde(skip))]
     topology_version: u64,
     /// [`Self::topology_version`] before the last cut; the present one after an undo.
+    #[cfg_attr(feature = "serde", serde(skip))]
     version_before_cut: u64,
 }
 
 /// A bounding box and the maximum displacement since it was computed.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct LooseBounds {
     bounds: Aabb,
     /// Maximum displacement of a vertex along an axis \[m\].

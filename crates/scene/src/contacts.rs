@@ -35,11 +35,11 @@ mod outside;
 mod overlaps;
 mod persistent;
 mod press;
-#[cfg(feature = "serde")]
-mod saved;
 mod sheets;
 
 use crate::body::Body;
+#[cfg(feature = "serde")]
+use crate::save::LoadError;
 use crate::scene::Bodies;
 use body_rows::BodyRows;
 use broad_phase::Pieces;
@@ -56,8 +56,6 @@ use overlaps::Overlaps;
 pub(crate) use blade_face::BladeFace;
 pub(crate) use body_rows::BodyContact;
 pub(crate) use overlaps::PieceId;
-#[cfg(feature = "serde")]
-pub(crate) use saved::{SavedContacts, SavedFace};
 
 /// Factor by which a velocity may grow within a frame: an impact bends the body.
 const SPEED_MARGIN: f64 = MovingPoint::SPEED_MARGIN as f64;
@@ -106,18 +104,37 @@ impl ContactFrame<'_> {
 
 /// The contact detection of a scene, in memory reused between frames.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct ContactDetection {
+    #[cfg_attr(feature = "serde", serde(skip))]
     near: NearBodies,
+    #[cfg_attr(feature = "serde", serde(skip))]
     pieces: Pieces,
     /// By body index.
+    #[cfg_attr(feature = "serde", serde(skip))]
     motions: Vec<Motion>,
     rows: Vec<BodyRows>,
     edges: EdgePairs,
+    #[cfg_attr(feature = "serde", serde(skip))]
     carriers: Carriers,
     overlaps: Overlaps,
 }
 
 impl ContactDetection {
+    /// Checks a state that was read with serde, of a number of bodies, removed ones included.
+    ///
+    /// The search ignores a contact with a triangle that does not exist.
+    ///
+    /// # Errors
+    /// [`LoadError::Array`].
+    #[cfg(feature = "serde")]
+    pub(crate) fn validate(&self, bodies: usize) -> Result<(), LoadError> {
+        let is_valid =
+            self.rows.len() <= bodies && self.edges.are_finite() && self.overlaps.is_valid();
+        let array = "contacts";
+        is_valid.then_some(()).ok_or(LoadError::Array { array })
+    }
+
     /// Begins a frame without contacts.
     pub(crate) fn begin_frame(&mut self, bodies: &Bodies) {
         self.motions.resize_with(bodies.len(), Motion::default);

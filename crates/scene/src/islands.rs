@@ -9,35 +9,42 @@ mod step;
 use crate::body::Body;
 use crate::contacts::{BodyContact, ContactDetection};
 use crate::error::SceneError;
+#[cfg(feature = "serde")]
+use crate::save::LoadError;
 use crate::scene::Bodies;
 use held::HeldContacts;
 use incise_mesh::{VertexId, index_u32};
 use incise_pbd_gpu::Contact;
 use step::BodyIsland;
 
-#[cfg(feature = "serde")]
-pub(crate) use held::HeldContact;
-
 /// Island number of a body that no island steps: it sleeps, or the GPU steps it.
 const NONE: u32 = u32::MAX;
 
 /// The islands of a frame, in memory reused between frames.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Islands {
     /// By body index: parent in the union-find forest.
+    #[cfg_attr(feature = "serde", serde(skip))]
     parents: Vec<u32>,
     /// By body index: number of bodies of its tree, at the root.
+    #[cfg_attr(feature = "serde", serde(skip))]
     sizes: Vec<u32>,
     /// By body index: its island, or [`NONE`].
+    #[cfg_attr(feature = "serde", serde(skip))]
     island_of: Vec<u32>,
     /// By body index: island vertex of its first vertex.
+    #[cfg_attr(feature = "serde", serde(skip))]
     first_vertex: Vec<u32>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     list: Vec<BodyIsland>,
     /// Number of islands of the frame; memory of others stays in the list.
+    #[cfg_attr(feature = "serde", serde(skip))]
     count: usize,
     /// Where friction held contacts in the last frame; those of a body are added with new ones.
     held: HeldContacts,
     /// Scratch memory: contacts of a single body.
+    #[cfg_attr(feature = "serde", serde(skip))]
     contacts: Vec<Contact>,
 }
 
@@ -215,20 +222,15 @@ impl Islands {
         self.held.forget(body);
     }
 
-    /// Returns the held contacts between unchanged bodies, for a file.
+    /// Checks a state that was read with serde.
+    ///
+    /// # Errors
+    /// [`LoadError::Array`].
     #[cfg(feature = "serde")]
-    pub(crate) fn to_saved(&self, bodies: &Bodies) -> Vec<HeldContact> {
-        self.held.to_saved(|i| version(bodies, i))
-    }
-
-    /// Returns islands that go on from the saved contacts of bodies, if these are valid.
-    #[cfg(feature = "serde")]
-    pub(crate) fn from_saved(contacts: Vec<HeldContact>, bodies: &Bodies) -> Option<Self> {
-        let versions = (0..bodies.len()).map(|i| version(bodies, i));
-        Some(Self {
-            held: HeldContacts::from_saved(contacts, versions)?,
-            ..Self::default()
-        })
+    pub(crate) fn validate(&self) -> Result<(), LoadError> {
+        let array = "held contacts";
+        let is_valid = self.held.are_finite();
+        is_valid.then_some(()).ok_or(LoadError::Array { array })
     }
 }
 

@@ -7,6 +7,7 @@ use incise_mesh::{Surface, TriangleId, Vec3};
 
 /// The rest shape of a piece.
 #[derive(Debug, Clone, Copy, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct PieceShape {
     /// Whether it has a boundary, so that it has no inside.
     pub(crate) is_sheet: bool,
@@ -18,17 +19,15 @@ pub(crate) struct PieceShape {
     pub(crate) volume: f64,
 }
 
-/// A shape in a file: whether it is a sheet and a cavity, its thickness \[m\] and volume [m^3].
-#[cfg(feature = "serde")]
-pub(crate) type SavedShape = (bool, bool, f64, f64);
-
 /// The shapes of a body's pieces, in memory reused between cuts.
 #[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct PieceShapes {
     /// [`Surface::fingerprint`] at the last measurement.
     version: Option<u64>,
     /// By piece number.
     shapes: Vec<PieceShape>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     sums: Vec<Sums>,
 }
 
@@ -70,35 +69,6 @@ impl PieceShapes {
             if sums.area > 0.0 {
                 shape.thickness = 2.0 / 3.0 * sums.volume.abs() / sums.area;
             }
-        }
-    }
-
-    /// Returns the shapes for a file.
-    ///
-    /// `None` unless the shapes are those of the surface's topology.
-    #[cfg(feature = "serde")]
-    pub(crate) fn to_saved(&self, surface: &Surface) -> Option<Vec<SavedShape>> {
-        let shape = |s: &PieceShape| (s.is_sheet, s.is_cavity, s.thickness, s.volume);
-        (self.version == Some(surface.fingerprint()))
-            .then(|| self.shapes.iter().map(shape).collect())
-    }
-
-    /// Returns saved shapes of a surface; `None` is measured at the next update.
-    #[cfg(feature = "serde")]
-    pub(crate) fn from_saved(saved: Option<Vec<SavedShape>>, surface: &Surface) -> Self {
-        let version = saved.is_some().then(|| surface.fingerprint());
-        let shapes = saved.into_iter().flatten();
-        let shape = |(is_sheet, is_cavity, thickness, volume)| PieceShape {
-            is_sheet,
-            is_cavity,
-            thickness,
-            volume,
-        };
-        let shapes: Vec<PieceShape> = shapes.map(shape).collect();
-        Self {
-            version,
-            shapes,
-            sums: Vec::new(),
         }
     }
 

@@ -5,18 +5,15 @@
 //! format is that of [`incise_mesh::FORMAT_VERSION`].
 
 use crate::blade::Blade;
-use crate::body::{Body, BodyId, SavedBody};
-use crate::contacts::{BladeFace, ContactDetection, SavedContacts, SavedFace};
+use crate::body::BodyId;
 use crate::error::SceneError;
-use crate::islands::{HeldContact, Islands};
-use crate::params::SceneParams;
 use crate::scene::Scene;
-use crate::sleep::{SavedSleep, Sleep};
 use incise_cut::CutError;
 use incise_mesh::{ArchiveError, FileKind, InvalidBvh, read_archive, write_archive};
-use incise_pbd_gpu::{Collider, InvalidSolver};
-use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
+use incise_pbd_gpu::{InvalidSolver, Scheme};
+
+/// The scheme of the global step, and the feature that it needs.
+const GLOBAL: &str = "global";
 
 /// An error of saving a scene.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -88,22 +85,6 @@ pub enum LoadError {
     },
 }
 
-/// A [`Scene`], as it is saved.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-struct SavedScene<'a> {
-    /// Whether the parameters need the feature `global`.
-    needs_global: bool,
-    params: SceneParams,
-    colliders: Cow<'a, [Collider]>,
-    previous_colliders: Cow<'a, [Collider]>,
-    blade_faces: Vec<SavedFace>,
-    blades: Cow<'a, [Blade]>,
-    bodies: Vec<Option<SavedBody<'a>>>,
-    sleep: SavedSleep<'a>,
-    contacts: SavedContacts,
-    held: Vec<HeldContact>,
-}
-
 impl Scene {
     /// Saves the scene as a file. Reads GPU bodies back first.
     ///
@@ -118,33 +99,24 @@ impl Scene {
             self.read_back(id)?;
         }
         self.validate_edits()?;
-        let mut bodies = Vec::with_capacity(self.bodies.len());
         for (i, body) in self.bodies.iter().enumerate() {
-            let saved = body.as_ref().map(|body| body.to_saved()).transpose();
+            let saved = body
+                .as_ref()
+                .map_or(Ok(()), |body| body.surface().check_save());
             let body = self.body_id(i);
-            bodies.push(saved.map_err(|error| SaveError::Body { body, error })?);
+            saved.map_err(|error| SaveError::Body { body, error })?;
         }
-        #[cfg(feature = "global")]
-        let needs_global = self.params.solver.scheme == incise_pbd_gpu::Scheme::Global;
-        #[cfg(not(feature = "global"))]
-        let needs_global = false;
-        let saved = SavedScene {
-            needs_global,
-            params: self.params,
-            colliders: (&self.colliders).into(),
-            previous_colliders: (&self.previous_colliders).into(),
-            blade_faces: self
-                .blade_faces
-                .iter()
-                .map(|face| face.to_saved())
-                .collect(),
-            blades: (&self.blades).into(),
-            bodies,
-            sleep: self.sleep.to_saved(),
-            contacts: self.detection.to_saved(),
-            held: self.islands.to_saved(&self.bodies),
-        };
-        Ok(write_archive(FileKind::Scene, &saved)?)
+        Ok(write_archive(
+            FileKind::Scene,
+            &(self.needs_global(), &*self),
+        )?)
+    }
+
+    /// Returns whether only builds with the feature `global` can load the scene.
+    fn needs_global(&self) -> bool {
+        let mut bodies = self.bodies.iter().flatten();
+        self.params.solver.scheme.name() == GLOBAL
+            || bodies.any(|body| body.solver().has_global_step())
     }
 
     /// Loads a scene of [`Scene::save`].
@@ -159,37 +131,25 @@ impl Scene {
     /// build without it.
     pub fn load(bytes: &[u8]) -> Result<Self, LoadError> {
         let archive = read_archive(FileKind::Scene, bytes)?;
-        if !cfg!(feature = "global") && archive.first()? {
-            return Err(ArchiveError::MissingFeature { feature: "global" }.into());
+        if Scheme::from_name(GLOBAL).is_none() && archive.first()? {
+            return Err(ArchiveError::MissingFeature { feature: GLOBAL }.into());
         }
-        let saved: SavedScene<'_> = archive.content()?;
-        let count = saved.bodies.len();
-        let invalid = |array| LoadError::Array { array };
+        let (_, mut scene): (bool, Self) = archive.content()?;
         let is_finite =
             |blade: &Blade| blade.face.is_none_or(|to| to.iter().all(|c| c.is_finite()));
-        if !saved.blades.iter().all(is_finite) {
-            return Err(invalid("blade faces"));
+        if !scene.blades.iter().all(is_finite) {
+            let array = "blade faces";
+            return Err(LoadError::Array { array });
         }
-        let mut scene = Self::new(saved.params);
-        for (index, body) in saved.bodies.into_iter().enumerate() {
-            let at = (index, saved.blades.len());
-            let body = body.map(|body| Body::from_saved(body, at)).transpose()?;
-            scene.bodies.push(body.map(Box::new));
+        for (index, body) in scene.bodies.iter_mut().enumerate() {
+            if let Some(body) = body {
+                body.finish_load(index, scene.blades.len())?;
+            }
         }
-        scene.colliders = saved.colliders.into_owned();
-        scene.previous_colliders = saved.previous_colliders.into_owned();
-        scene.blade_faces = saved
-            .blade_faces
-            .into_iter()
-            .map(BladeFace::from_saved)
-            .collect();
-        scene.blades = saved.blades.into_owned();
-        let sleep = Sleep::from_saved(saved.sleep, count);
-        scene.sleep = sleep.ok_or(invalid("sleeping states"))?;
-        let contacts = ContactDetection::from_saved(saved.contacts, count);
-        scene.detection = contacts.ok_or(invalid("contacts"))?;
-        let islands = Islands::from_saved(saved.held, &scene.bodies);
-        scene.islands = islands.ok_or(invalid("held contacts"))?;
+        let bodies = scene.bodies.len();
+        scene.sleep.finish_load(bodies)?;
+        scene.detection.validate(bodies)?;
+        scene.islands.validate()?;
         Ok(scene)
     }
 }

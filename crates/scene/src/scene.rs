@@ -60,7 +60,11 @@ impl Default for SceneNumber {
 ///
 /// Every method that takes an id returns [`SceneError::UnknownBody`] or
 /// [`SceneError::UnknownBlade`] for an id of another scene or of a removed body.
+///
+/// With the feature `serde`, read and write it by `save` and `load`: these complete the fields that
+/// `Serialize` and `Deserialize` skip.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Scene {
     /// Parameters of frames; may change between frames.
     pub params: SceneParams,
@@ -74,25 +78,35 @@ pub struct Scene {
     /// The colliders of the previous frame.
     pub(crate) previous_colliders: Vec<Collider>,
     /// The colliders with their motion in this frame.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) moving_colliders: Vec<MovingCollider>,
     /// The blade faces that bodies collide with, and those of the previous frame.
     pub(crate) blade_faces: Vec<BladeFace>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) previous_blade_faces: Vec<BladeFace>,
     /// Scratch memory: colliders near the current body.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) near_colliders: Vec<MovingCollider>,
     pub(crate) bodies: Vec<Option<Box<Body>>>,
     pub(crate) blades: Vec<Blade>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) stats: FrameStats,
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) failed_cuts: Vec<FailedCut>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) cuts: Vec<SweepResult>,
     /// Scratch memory: indices of the bodies near the current sweep.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) near: Vec<usize>,
     pub(crate) sleep: Sleep,
     pub(crate) detection: ContactDetection,
     pub(crate) islands: Islands,
     /// The bodies that a GPU steps, if the scene has one.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) gpu: Option<Box<dyn GpuBodies>>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) backend: BackendState,
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) number: SceneNumber,
 }
 

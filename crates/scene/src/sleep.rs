@@ -8,18 +8,18 @@
 //! asleep or is observed again.
 
 mod excursion;
-#[cfg(feature = "serde")]
-mod saved;
 
 use crate::body::Body;
 use crate::contacts::ContactParams;
 use crate::params::SceneParams;
+#[cfg(feature = "serde")]
+use crate::save::LoadError;
 use excursion::{Excursion, LAST};
 use incise_mesh::Aabb;
+#[cfg(feature = "serde")]
+use incise_mesh::index_u32;
 use incise_params::Range;
 use incise_pbd_gpu::SolverParams;
-#[cfg(feature = "serde")]
-pub(crate) use saved::SavedSleep;
 
 incise_params::params! {
     /// Parameters of sleeping. Touching bodies and all pieces of a body sleep together.
@@ -126,6 +126,7 @@ pub(crate) enum Step {
 
 /// The sleeping state of all bodies, in arrays by body index.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Sleep {
     asleep: Vec<bool>,
     /// Boxes of sleeping bodies; [`EVERYWHERE`] for an unknown one.
@@ -134,6 +135,7 @@ pub(crate) struct Sleep {
     excursions: Vec<Excursion>,
     /// First body of the island in which a sleeping body fell asleep.
     islands: Vec<usize>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     sleeping_bodies: u32,
     woken: u32,
     conditions: Option<Conditions>,
@@ -148,6 +150,31 @@ const EVERYWHERE: Aabb = Aabb {
 };
 
 impl Sleep {
+    /// Completes a state that was read with serde, of a number of bodies, removed ones included.
+    ///
+    /// # Errors
+    /// [`LoadError::Array`].
+    #[cfg(feature = "serde")]
+    pub(crate) fn finish_load(&mut self, bodies: usize) -> Result<(), LoadError> {
+        let lengths = [
+            self.asleep.len(),
+            self.bounds.len(),
+            self.observations.len(),
+            self.excursions.len(),
+            self.islands.len(),
+        ];
+        let last = self.observed_frames.checked_add(SleepParams::LAG);
+        let is_observation = |observation: &Observation| Some(observation.frames) <= last;
+        let is_valid = lengths == [bodies; 5]
+            && last.is_some()
+            && self.islands.iter().all(|&i| i < bodies)
+            && self.observations.iter().all(is_observation);
+        let sleeping = self.asleep.iter().filter(|&&is_asleep| is_asleep);
+        self.sleeping_bodies = index_u32(sleeping.count());
+        let array = "sleeping states";
+        is_valid.then_some(()).ok_or(LoadError::Array { array })
+    }
+
     /// Adds body `i`, awake; all bodies before it have been added.
     pub(crate) fn add(&mut self, i: usize) {
         self.asleep.resize(i + 1, false);
@@ -202,7 +229,7 @@ impl Sleep {
         self.observations[i] = Observation::default();
         if std::mem::replace(&mut self.asleep[i], false) {
             self.sleeping_bodies -= 1;
-            self.woken += 1;
+            self.woken = self.woken.saturating_add(1);
         }
     }
 

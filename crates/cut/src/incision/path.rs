@@ -6,24 +6,13 @@ use incise_mesh::{Surface, Vec3};
 
 /// The way of a blade since it entered the body: the pose before, then the ends of each tip.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Path {
-    entry: Vec<[f32; 3]>,
-    tips: Vec<[TipPoint; 2]>,
+    pub(super) entry: Vec<[f32; 3]>,
+    pub(super) tips: Vec<[TipPoint; 2]>,
 }
 
 impl Path {
-    /// Creates a path from the pose before it and the ends of its tips.
-    #[cfg(feature = "serde")]
-    pub(super) fn new(entry: Vec<[f32; 3]>, tips: Vec<[TipPoint; 2]>) -> Self {
-        Self { entry, tips }
-    }
-
-    /// Returns the pose before the path and the ends of its tips.
-    #[cfg(feature = "serde")]
-    pub(super) fn parts(&self) -> (&[[f32; 3]], &[[TipPoint; 2]]) {
-        (&self.entry, &self.tips)
-    }
-
     pub(super) fn clear(&mut self) {
         self.entry.clear();
         self.tips.clear();

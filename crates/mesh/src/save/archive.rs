@@ -6,8 +6,8 @@
 //! | 8 to 11 | [`FileKind`] |
 //! | 12 to 15 | version |
 //! | 16 to 23 | length of the content |
-//! | 24 to 27 | CRC-32 of bytes 0 to 23 and of the content |
-//! | 28 to 31 | zero |
+//! | 24 to 27 | CRC-32 of all other bytes |
+//! | 28 to 31 | [`ProgramVersion`] |
 //!
 //! All numbers of the header are little-endian.
 
@@ -15,14 +15,16 @@ use crate::bvh::InvalidBvh;
 use crate::surface::{ChannelError, InvalidSurface};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::fmt;
+use std::ops::Range;
 
-/// The version that [`write_archive`] writes. Files of all versions up to it can be loaded.
-pub const FORMAT_VERSION: u32 = 1;
+/// The version of the layout of files. [`read_archive`] refuses every other one.
+pub const FORMAT_VERSION: u32 = 2;
 
 const MAGIC: [u8; 8] = *b"\x89incise\n";
 const HEADER: usize = 32;
-/// The bytes before the checksum.
-const CHECKED: usize = 24;
+/// The bytes of the checksum.
+const CHECKSUM: Range<usize> = 24..28;
 
 /// The content of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,6 +48,38 @@ impl FileKind {
     }
 }
 
+/// The version of the program that wrote a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ProgramVersion([u8; 4]);
+
+impl ProgramVersion {
+    /// The version of this program.
+    const PRESENT: Self = Self([
+        number(env!("CARGO_PKG_VERSION_MAJOR")),
+        number(env!("CARGO_PKG_VERSION_MINOR")),
+        number(env!("CARGO_PKG_VERSION_PATCH")),
+        0,
+    ]);
+}
+
+impl fmt::Display for ProgramVersion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            // Format version 1 does not have it.
+            [0, 0, 0, _] => f.write_str("an earlier incise"),
+            [major, minor, patch, _] => write!(f, "incise {major}.{minor}.{patch}"),
+        }
+    }
+}
+
+/// Returns a part of a version; 255 is the maximum.
+const fn number(text: &str) -> u8 {
+    match u8::from_str_radix(text, 10) {
+        Ok(number) => number,
+        Err(_) => u8::MAX,
+    }
+}
+
 /// An error of saving or loading a state.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -59,11 +93,16 @@ pub enum ArchiveError {
         /// The requested content.
         expected: FileKind,
     },
-    /// The file is of a later version.
-    #[error("the file has version {version}; this program reads versions 1 to {FORMAT_VERSION}")]
+    /// The file has another format version than [`FORMAT_VERSION`].
+    #[error(
+        "the file has format version {version} and this program reads version {FORMAT_VERSION}; \
+         load it with {program}, which wrote it"
+    )]
     UnknownVersion {
-        /// The version of the file.
+        /// The format version of the file.
         version: u32,
+        /// The program that wrote the file.
+        program: ProgramVersion,
     },
     /// The file has another length than it was saved with.
     #[error("the content has {found} bytes instead of {expected}; the file is incomplete")]
@@ -107,14 +146,13 @@ pub enum ArchiveError {
 /// The content of a file with a valid header and checksum.
 #[derive(Debug, Clone, Copy)]
 pub struct Archive<'a> {
-    version: u32,
     content: &'a [u8],
 }
 
 /// Writes a header and a content.
 ///
 /// # Errors
-/// [`ArchiveError::Malformed`] if a `Serialize` implementation fails; that of no `Saved` type does.
+/// [`ArchiveError::Malformed`] if a `Serialize` implementation fails; that of no state does.
 pub fn write_archive(kind: FileKind, content: &impl Serialize) -> Result<Vec<u8>, ArchiveError> {
     let header = vec![0; HEADER];
     let written = postcard::to_extend(content, header);
@@ -124,8 +162,9 @@ pub fn write_archive(kind: FileKind, content: &impl Serialize) -> Result<Vec<u8>
     bytes[8..12].copy_from_slice(&kind.tag());
     bytes[12..16].copy_from_slice(&FORMAT_VERSION.to_le_bytes());
     bytes[16..24].copy_from_slice(&length.to_le_bytes());
+    bytes[28..32].copy_from_slice(&ProgramVersion::PRESENT.0);
     let sum = checksum(&bytes);
-    bytes[24..28].copy_from_slice(&sum.to_le_bytes());
+    bytes[CHECKSUM].copy_from_slice(&sum.to_le_bytes());
     Ok(bytes)
 }
 
@@ -137,7 +176,7 @@ pub fn read_archive(kind: FileKind, bytes: &[u8]) -> Result<Archive<'_>, Archive
     let Some((header, content)) = bytes.split_first_chunk::<HEADER>() else {
         return Err(ArchiveError::UnknownFormat);
     };
-    if header[..8] != MAGIC || header[28..] != [0; 4] {
+    if header[..8] != MAGIC {
         return Err(ArchiveError::UnknownFormat);
     }
     if header[8..12] != kind.tag() {
@@ -145,8 +184,9 @@ pub fn read_archive(kind: FileKind, bytes: &[u8]) -> Result<Archive<'_>, Archive
     }
     let number = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| header[at + i]));
     let version = number(12);
-    if !(1..=FORMAT_VERSION).contains(&version) {
-        return Err(ArchiveError::UnknownVersion { version });
+    if version != FORMAT_VERSION {
+        let program = ProgramVersion(std::array::from_fn(|i| header[28 + i]));
+        return Err(ArchiveError::UnknownVersion { version, program });
     }
     let expected = u64::from_le_bytes(std::array::from_fn(|i| header[16 + i]));
     let found = content.len() as u64;
@@ -156,24 +196,18 @@ pub fn read_archive(kind: FileKind, bytes: &[u8]) -> Result<Archive<'_>, Archive
     if number(24) != checksum(bytes) {
         return Err(ArchiveError::WrongChecksum);
     }
-    Ok(Archive { version, content })
+    Ok(Archive { content })
 }
 
 /// Returns the checksum of a file of at least the length of a header.
 fn checksum(bytes: &[u8]) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
-    hasher.update(&bytes[..CHECKED]);
-    hasher.update(&bytes[HEADER..]);
+    hasher.update(&bytes[..CHECKSUM.start]);
+    hasher.update(&bytes[CHECKSUM.end..]);
     hasher.finalize()
 }
 
 impl Archive<'_> {
-    /// Returns the version of the file.
-    #[must_use]
-    pub fn version(&self) -> u32 {
-        self.version
-    }
-
     /// Decodes the first part of the content, for example a flag that decides about the others.
     ///
     /// # Errors
@@ -183,7 +217,7 @@ impl Archive<'_> {
         decoded.map_or(Err(ArchiveError::Malformed), |(first, _)| Ok(first))
     }
 
-    /// Decodes the content, which must be of the file's version.
+    /// Decodes the content.
     ///
     /// Memory is proportional to the length of the file.
     ///

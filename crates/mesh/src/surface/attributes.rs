@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// A seam is an edge or vertex at which corners of one vertex differ; it never splits the vertex.
 /// Each array is empty or has three entries for each triangle slot.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CornerAttributes {
     /// Texture coordinates, shape \[3 x triangle slots\].
     pub uv: Vec<[f32; 2]>,

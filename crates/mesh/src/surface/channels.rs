@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 /// The elements of a surface that have a row of a channel each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Domain {
     /// Vertices: one row per vertex slot.
     Vertex,
@@ -14,6 +15,7 @@ pub enum Domain {
 
 /// The rule by which the rows of a channel are interpolated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Blend {
     /// The weighted mean of each component, which lies between the parents' values.
     Linear,
@@ -30,6 +32,7 @@ pub enum Blend {
 /// Edits interpolate the rows of new vertices and corners, and undo restores them bit for bit. The
 /// meaning of a name is up to the caller; readers of files use `color`, `skin` and `uv1`.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Channel {
     name: Arc<str>,
     domain: Domain,
@@ -69,6 +72,12 @@ pub enum ChannelError {
         /// The channel.
         name: Arc<str>,
     },
+    /// Two channels of a loaded surface have one name.
+    #[error("there are two channels {name}")]
+    Repeated {
+        /// The channels.
+        name: Arc<str>,
+    },
 }
 
 /// Maximum number of values in a row.
@@ -91,20 +100,31 @@ impl Channel {
         width: usize,
         values: Vec<f32>,
     ) -> Result<Self, ChannelError> {
-        let name = name.into();
-        let is_allowed = match blend {
+        let channel = Self {
+            name: name.into(),
+            domain,
+            blend,
+            width,
+            values,
+        };
+        channel.check_width()?;
+        Ok(channel)
+    }
+
+    /// Checks the width.
+    ///
+    /// # Errors
+    /// [`ChannelError::Width`].
+    pub(crate) fn check_width(&self) -> Result<(), ChannelError> {
+        let width = self.width;
+        let is_allowed = match self.blend {
             Blend::Linear => (1..=MAX_WIDTH).contains(&width),
             Blend::Skin => (2..=MAX_SKIN_WIDTH).contains(&width) && width.is_multiple_of(2),
         };
         if is_allowed {
-            Ok(Self {
-                name,
-                domain,
-                blend,
-                width,
-                values,
-            })
+            Ok(())
         } else {
+            let name = self.name.clone();
             Err(ChannelError::Width { name, width })
         }
     }

@@ -1,14 +1,12 @@
 //! Constraint sets: the constraints of one kind, in batches by color.
 
 #[cfg(feature = "serde")]
-mod saved;
+mod load;
 
 use crate::constraints::coloring::{LAYERS, MAX_COLORS, VertexColors};
 use crate::constraints::edges::EdgeId;
 use crate::follow::changes::Log;
 use incise_mesh::VertexId;
-#[cfg(feature = "serde")]
-pub(crate) use saved::SavedSet;
 use std::cell::Cell;
 use std::fmt;
 use std::ops::Range;
@@ -24,12 +22,15 @@ pub type BendingSet = ConstraintSet<4>;
 
 /// Constraints that are projected in parallel, as a structure of arrays.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Batch<const N: usize> {
+    #[cfg_attr(feature = "serde", serde(with = "load::vertices"))]
     pub(crate) vertices: Vec<[VertexId; N]>,
     pub(crate) rest: Vec<f32>,
     /// Edge of every constraint, shape \[constraints\].
     pub(crate) edges: Vec<EdgeId>,
     /// Multipliers of the substep, shape \[constraints\]; empty if they are not accumulated.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) lambda: Vec<f32>,
 }
 
@@ -203,11 +204,14 @@ pub(crate) fn edit_reserve(len: usize) -> usize {
 
 /// All constraints of one kind, over `N` vertices each.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ConstraintSet<const N: usize> {
     pub(crate) batches: Vec<Batch<N>>,
     pub(crate) overflow: Batch<N>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     colors: VertexColors,
     /// Slots whose constraint was added, removed or replaced.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) log: Log<Slot>,
 }
 

@@ -253,9 +253,12 @@ impl Collider {
 
 /// The colliders of a body, with their records.
 #[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Colliders {
     list: Vec<MovingCollider>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     records: Vec<ColliderRecord>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     generation: u64,
 }
 
@@ -263,6 +266,16 @@ impl Colliders {
     /// Returns the colliders as they were set.
     pub(crate) fn list(&self) -> &[MovingCollider] {
         &self.list
+    }
+
+    /// Makes the records of colliders that were read with serde.
+    ///
+    /// # Errors
+    /// [`ConstraintError::BadCollider`].
+    #[cfg(feature = "serde")]
+    pub(crate) fn finish_load(&mut self) -> Result<(), ConstraintError> {
+        let list = std::mem::take(&mut self.list);
+        self.set(&list)
     }
 
     /// Returns the records that kernels read.

@@ -17,7 +17,7 @@ pub const MAX_COLORS: usize = 64;
 pub const LAYERS: usize = 4;
 
 /// The colors in use at every vertex, for one kind of constraint.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct VertexColors {
     /// Shape [layers, vertex slots].
     masks: Vec<Vec<u64>>,

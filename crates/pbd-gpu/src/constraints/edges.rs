@@ -5,14 +5,12 @@
 //! edge.
 
 #[cfg(feature = "serde")]
-mod saved;
+mod load;
 
 use crate::constraints::batches::{BendingSet, ConstraintSet, Slot, StretchSet, edit_reserve};
 use crate::constraints::rest;
 use crate::patches::{Home, Patches};
 use incise_mesh::{HalfEdge, Surface, Topology, TriangleId, VertexId, index_u32};
-#[cfg(feature = "serde")]
-pub(crate) use saved::SavedEdges;
 
 /// No record, or no slot.
 const NONE: u32 = u32::MAX;
@@ -147,11 +145,14 @@ pub(crate) struct Sets<'a> {
 
 /// One record per edge.
 #[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct EdgeTable {
     /// Corners of every triangle, shape [triangle slots]; null for unused slots.
+    #[cfg_attr(feature = "serde", serde(skip))]
     corners: Vec<[VertexId; 3]>,
     /// Record index of every half-edge, shape [3 x triangle slots]; [`NONE`] for unused slots.
     of_half_edge: Vec<u32>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     records: Vec<EdgeRecord>,
     /// Unused records.
     free: Vec<u32>,

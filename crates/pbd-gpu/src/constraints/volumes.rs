@@ -4,12 +4,10 @@
 //! vertices of its piece; kernels visit the triangles around each of them by its half-edges.
 
 #[cfg(feature = "serde")]
-mod saved;
+mod load;
 
 use incise_mesh::geometry::{Vec3, area_vector};
 use incise_mesh::{HalfEdge, Surface, Topology, VertexId, index_u32};
-#[cfg(feature = "serde")]
-pub(crate) use saved::SavedVolumes;
 use std::f64::consts::PI;
 
 /// Maximum displacement of a vertex per projection, unless gravity moves it further in a substep,
@@ -31,11 +29,14 @@ const UNRESOLVED: f64 = 1e-6;
 
 /// A vertex of a closed piece, with the first half-edge of the traversal around it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Spoke {
     pub(crate) vertex: VertexId,
     /// An outgoing half-edge.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) outgoing: HalfEdge,
     /// Range in the list of rings.
+    #[cfg_attr(feature = "serde", serde(skip))]
     ring: [u32; 2],
 }
 
@@ -60,6 +61,7 @@ impl Spoke {
 
 /// The volume constraint of a piece: its rest volume times the pressure of the material.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PieceVolume {
     pub(crate) piece: u32,
     pub(crate) rest: f32,
@@ -112,17 +114,22 @@ struct Tally {
 
 /// The volume constraints of a body, by piece.
 #[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct VolumeSet {
     pub(crate) pieces: Vec<PieceVolume>,
     /// Ordered by piece, then by vertex.
     pub(crate) spokes: Vec<Spoke>,
     /// Rings of the spokes, one after another. Traversals in every projection would take longer.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) rings: Vec<VertexId>,
     /// Multipliers of the substep, shape \[pieces\].
     pub(crate) lambda: Vec<f32>,
     /// Mean displacements in the last round of the substep \[m\], shape \[pieces\].
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) displacements: Vec<[f32; 3]>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     generation: u64,
+    #[cfg_attr(feature = "serde", serde(skip))]
     tallies: Vec<Tally>,
 }
 

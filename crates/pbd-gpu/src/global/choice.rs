@@ -66,23 +66,6 @@ impl Extent {
         }
     }
 
-    /// Returns vertices, mass \[kg\] and edge length \[m\] for a file.
-    #[cfg(feature = "serde")]
-    pub(crate) fn to_saved(self) -> (u64, f64, f64) {
-        (self.vertices as u64, self.mass, self.edge)
-    }
-
-    /// Returns a saved extent.
-    #[cfg(feature = "serde")]
-    pub(crate) fn from_saved((vertices, mass, edge): (u64, f64, f64)) -> Self {
-        let vertices = usize::try_from(vertices).unwrap_or(usize::MAX);
-        Self {
-            vertices,
-            mass,
-            edge,
-        }
-    }
-
     /// Returns whether the global step has the smaller error in a frame of `dt` \[s\].
     ///
     /// A body for which it was chosen in the last frame keeps it down to [`HYSTERESIS`] of the

@@ -41,6 +41,16 @@ impl fmt::Debug for Progress {
     }
 }
 
+impl Default for FactorJob {
+    /// Returns a job that is done, without a factor.
+    fn default() -> Self {
+        Self(Arc::new(Shared {
+            progress: Mutex::new(Progress::Done(None)),
+            is_done: Condvar::new(),
+        }))
+    }
+}
+
 impl FactorJob {
     /// Starts a factorization; with one thread it waits for [`Self::finish`].
     ///

@@ -12,7 +12,6 @@ use crate::kernels::bending::FLAT;
 use incise_mesh::geometry::to_f64;
 use incise_mesh::{Surface, Vec3, VertexId, index_u32};
 use incise_sparse::{Cholesky, Columns, Entry};
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Row of a vertex that the factor does not know.
@@ -23,8 +22,9 @@ type Element<const N: usize> = ([usize; N], [f64; N], f64);
 
 /// A copy of masses, constraints and the rest shape, from which the matrix is assembled.
 ///
-/// A factor keeps it, so that a loaded body makes the same factor again.
+/// It is kept with the factor, so that a loaded body makes the same factor again.
 #[derive(Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct MatrixInput {
     /// Inverse mass [1/kg], 0 of fixed vertices, shape [vertex slots].
     pub(super) inverse_masses: Vec<f32>,
@@ -113,7 +113,7 @@ impl MatrixInput {
     }
 
     /// Assembles and factors the matrix; `None` if it is not positive definite in 64 bits.
-    pub(super) fn factor(self: &Arc<Self>) -> Option<Factor> {
+    pub(super) fn factor(&self) -> Option<Factor> {
         let begin = Instant::now();
         let mut rows = vec![NO_ROW; self.inverse_masses.len()];
         let mut entries = Vec::new();
@@ -130,7 +130,6 @@ impl MatrixInput {
             |a, b, value| push_lower(&mut entries, [rows[a], rows[b]], value),
         );
         Some(Factor {
-            input: self.clone(),
             rows,
             cholesky: Cholesky::new(count, &entries, Columns::Blocks)?,
             time: begin.elapsed(),
@@ -187,7 +186,6 @@ fn hinge_coefficients(points: [Vec3; 4]) -> Option<[f64; 4]> {
 /// The factored matrix of a body.
 #[derive(Debug)]
 pub(super) struct Factor {
-    pub(super) input: Arc<MatrixInput>,
     /// Row of every vertex slot, or [`NO_ROW`].
     pub(super) rows: Vec<u32>,
     pub(super) cholesky: Cholesky,
@@ -196,8 +194,8 @@ pub(super) struct Factor {
 }
 
 impl Factor {
-    /// Returns the size of factor, its structure, input, rows and scratch memory \[bytes\].
+    /// Returns the size of factor, its structure, rows and scratch memory \[bytes\].
     pub(super) fn bytes(&self) -> usize {
-        self.cholesky.bytes(COORDINATES) + 4 * self.rows.len() + self.input.bytes()
+        self.cholesky.bytes(COORDINATES) + 4 * self.rows.len()
     }
 }

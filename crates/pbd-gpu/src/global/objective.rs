@@ -8,6 +8,7 @@ use incise_mesh::Vec3;
 
 /// Compliances over the squared substep, `alpha` of XPBD [1/kg].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Compliances {
     pub(super) stretch: f64,
     /// Per squared angle [1/(kg m^2)].

@@ -27,16 +27,23 @@ const MAX_CHANGE: f64 = 1.5;
 
 /// The approximate inverse of the objective's Hessian.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Preconditioner {
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) factor: Option<Arc<Factor>>,
+    /// The input of the factor, from which a loaded body makes it again.
+    pub(super) input: Option<Arc<MatrixInput>>,
     /// Rows of the factor, without those of vertices that have changed since.
     pub(super) rows: Vec<u32>,
     /// The matrix of the vertices without a row.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) local: Option<LocalFactor>,
     /// Pieces without a pin; none while the factor has all rows.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) free: FreePieces,
     /// Inverse diagonal of the matrix [1/kg], for vertices without a row; empty with `local`.
     pub(super) inverse_diagonal: Vec<f64>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) scratch: Option<Scratch>,
     /// Compliances and pinned vertices of the last matrix.
     pub(super) compliances: Compliances,
@@ -46,12 +53,16 @@ pub(super) struct Preconditioner {
     /// Whether vertices have lost or got their rows since `local` or the diagonal was made.
     pub(super) is_local_stale: bool,
     /// Whether `local` was made in this frame because of an edit, of masses or of a new factor.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) is_local_new: bool,
     /// Compliances and pinned vertices of `local` or the diagonal.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) local_compliances: Compliances,
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) local_pins: Vec<VertexId>,
     pub(super) pending: Option<Pending>,
     pub(super) factorizations: u32,
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) factor_time: Duration,
     /// Frames since the input of the factor in use was copied.
     pub(super) factor_age: u32,
@@ -62,6 +73,7 @@ impl Clone for Preconditioner {
     fn clone(&self) -> Self {
         Self {
             factor: self.factor.clone(),
+            input: self.input.clone(),
             rows: self.rows.clone(),
             local: self.local.as_ref().and_then(LocalFactor::share),
             free: self.free.clone(),
@@ -80,7 +92,9 @@ impl Clone for Preconditioner {
 
 /// A factorization beside the frames.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Pending {
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) job: FactorJob,
     pub(super) frames_left: u32,
     /// Frames since the input was copied.
@@ -102,9 +116,10 @@ impl Preconditioner {
         self.is_local_new = false;
         if let Some(mut pending) = self.pending.take() {
             pending.frames_left -= 1;
-            pending.age += 1;
+            pending.age = pending.age.saturating_add(1);
             if pending.frames_left == 0 {
-                self.adopt(pending.job.finish(), &pending.changed, pending.age);
+                let made = pending.job.finish().map(|factor| (factor, pending.input));
+                self.adopt(made, &pending.changed, pending.age);
             } else {
                 self.pending = Some(pending);
             }
@@ -124,7 +139,8 @@ impl Preconditioner {
             let own = of_body.clone();
             if self.factor.is_none() {
                 let job = FactorJob::start(move || own.factor(), NonZeroUsize::new(1));
-                self.adopt(job.finish(), &[], 0);
+                let made = job.finish().map(|factor| (factor, of_body.clone()));
+                self.adopt(made, &[], 0);
             } else {
                 self.pending = Some(Pending {
                     job: FactorJob::start(move || own.factor(), threads),
@@ -167,12 +183,17 @@ impl Preconditioner {
         self.is_local_new && self.rows.len() > VERTICES_PER_FRAME
     }
 
-    /// Takes a new factor into use, except for vertices that have changed since.
-    fn adopt(&mut self, factor: Option<Arc<Factor>>, changed: &[usize], age: u32) {
-        self.factorizations += 1;
+    /// Takes a new factor of an input into use, except for vertices that have changed since.
+    fn adopt(
+        &mut self,
+        made: Option<(Arc<Factor>, Arc<MatrixInput>)>,
+        changed: &[usize],
+        age: u32,
+    ) {
+        self.factorizations = self.factorizations.saturating_add(1);
         self.is_local_stale = true;
         // Without a positive definite matrix, or after a panic, the old factor stays.
-        let Some(factor) = factor else { return };
+        let Some((factor, input)) = made else { return };
         let slots = self.rows.len();
         self.rows.clear();
         self.rows.extend_from_slice(&factor.rows);
@@ -184,6 +205,7 @@ impl Preconditioner {
         self.factor_time = factor.time;
         self.factor_age = age;
         self.factor = Some(factor);
+        self.input = Some(input);
     }
 
     /// Makes the next frame start a new factor, after a change of masses.
@@ -260,11 +282,13 @@ impl Preconditioner {
     /// Returns the memory \[bytes\].
     pub(super) fn bytes(&self) -> usize {
         let factor = self.factor.as_ref().map_or(0, |factor| factor.bytes());
+        let input = self.input.as_ref().map_or(0, |input| input.bytes());
         let pending = (self.pending.as_ref()).map_or(0, |pending| {
             pending.input.bytes() + 8 * pending.changed.capacity()
         });
         let local = self.local.as_ref().map_or(0, LocalFactor::bytes);
         factor
+            + input
             + pending
             + local
             + self.free.bytes()

@@ -1,11 +1,9 @@
 //! Assignment of vertices to patches of bounded size.
 
 #[cfg(feature = "serde")]
-mod saved;
+mod load;
 
 use incise_mesh::VertexId;
-#[cfg(feature = "serde")]
-pub(crate) use saved::SavedPatching;
 
 /// Neither patch nor index.
 const NOWHERE: u32 = u32::MAX;
@@ -24,19 +22,23 @@ pub(crate) struct Place {
 
 /// A set of disjoint patches.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Patching {
     /// Maximum number of vertices of a patch.
     capacity: u32,
     /// Vertices of every patch, then null, shape [patches, capacity].
+    #[cfg_attr(feature = "serde", serde(serialize_with = "load::save_members"))]
     members: Vec<VertexId>,
     /// Number of vertices of every patch, shape \[patches\].
     sizes: Vec<u32>,
     /// Shape [vertex slots].
+    #[cfg_attr(feature = "serde", serde(skip))]
     places: Vec<Place>,
     /// Patches that became empty; some may have been filled since.
     emptied: Vec<u32>,
     newest: Option<u32>,
     /// Number of changes of every patch, shape \[patches\].
+    #[cfg_attr(feature = "serde", serde(skip))]
     revisions: Vec<u64>,
 }
 

@@ -29,12 +29,17 @@ pub(crate) struct PlanKey {
 ///
 /// Each list is ascending. It is rebuilt when topology or parameters change.
 #[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StepPlan {
+    #[cfg_attr(feature = "serde", serde(skip))]
     prologue: Vec<Pass>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     iteration: Vec<Pass>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     epilogue: Vec<Pass>,
     key: PlanKey,
     is_current: bool,
+    #[cfg_attr(feature = "serde", serde(skip))]
     generation: u64,
 }
 
@@ -133,10 +138,17 @@ impl StepPlan {
         self.is_current
     }
 
-    /// Returns the inputs of the lists, if they are current.
+    /// Makes the lists of a plan that was read with serde, if it is current.
     #[cfg(feature = "serde")]
-    pub(crate) fn current_key(&self) -> Option<PlanKey> {
-        self.is_current.then_some(self.key)
+    pub(crate) fn finish_load(
+        &mut self,
+        stretch: &StretchSet,
+        bending: Option<&BendingSet>,
+        interior_springs: Option<&StretchSet>,
+    ) {
+        if std::mem::take(&mut self.is_current) {
+            self.update(self.key, stretch, bending, interior_springs);
+        }
     }
 
     /// Makes the next [`StepPlan::update`] rebuild the lists, after a change of constraints.

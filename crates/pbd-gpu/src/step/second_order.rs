@@ -5,20 +5,18 @@
 //! `(4 v - v0) / 3`. Only the start of a substep changes, so kernels and plans are the same.
 
 #[cfg(feature = "serde")]
-mod saved;
-
+use crate::error::InvalidSolver;
 use crate::particles::Pin;
 use crate::step::body::Body;
 use crate::step::constants::StepConstants;
 use crate::step::params::StepStats;
-#[cfg(feature = "serde")]
-pub(crate) use saved::SavedHistory;
 
 /// Length of the first-order substep relative to the second-order one that it is part of.
 pub(crate) const SUBSTEP_RATIO: f32 = 2.0 / 3.0;
 
 /// The motion of a body over the last two substeps.
 #[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct History {
     /// Positions and velocities one substep ago, shape [vertex slots].
     before: [Vec<[f32; 4]>; 2],
@@ -29,6 +27,7 @@ pub(crate) struct History {
     /// True if `before` precedes the current state by one smooth substep.
     is_valid: bool,
     /// Pins with their targets of a substep.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pins: Vec<Pin>,
 }
 
@@ -40,6 +39,22 @@ pub(crate) struct Orders {
 }
 
 impl History {
+    /// Checks a history that was read with serde, of a body with `slots` vertex slots.
+    ///
+    /// # Errors
+    /// [`InvalidSolver::Array`].
+    #[cfg(feature = "serde")]
+    pub(crate) fn validate(&self, slots: usize) -> Result<(), InvalidSolver> {
+        let is_finite = |array: &[[f32; 4]]| array.as_flattened().iter().all(|c| c.is_finite());
+        let mut arrays = self.before.iter().chain(&self.end);
+        let fits = arrays.all(|array| array.len() == slots && is_finite(array));
+        let array = "velocities of the last substep";
+        // Nothing reads an invalid history.
+        (fits || !self.is_valid)
+            .then_some(())
+            .ok_or(InvalidSolver::Array { array })
+    }
+
     /// Makes the next substep one of first order.
     pub(crate) fn forget(&mut self) {
         self.is_valid = false;

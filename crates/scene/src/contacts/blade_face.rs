@@ -20,6 +20,7 @@ const MIN_COSINE: f64 = 0.1;
 
 /// A parallelogram from a blade's edge to its back, and its motion in the last frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct BladeFace {
     pub(super) previous: Pose,
     pub(super) current: Pose,
@@ -27,6 +28,7 @@ pub(crate) struct BladeFace {
 
 /// The pose of a parallelogram.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Pose {
     /// The start of the edge \[m\].
     pub(super) origin: Vec3,

@@ -19,26 +19,35 @@ pub(crate) struct BodyContact {
 
 /// The contacts of one row, in memory reused between frames.
 #[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Row {
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) contacts: Vec<BodyContact>,
     pub(super) persistent: Vec<PersistentContact>,
     /// Scratch memory: the current vertex and its neighbors, excluded from self-collision.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) one_ring: Vec<VertexId>,
     /// Scratch memory: the bodies that the current vertex may touch.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) near: Vec<u32>,
     /// Sharp edges near other pieces, until they are tested.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) edges: Vec<MovingEdge>,
 }
 
 /// The contacts of the vertices of one body, in memory reused between frames.
 #[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct BodyRows {
     pub(super) rows: Vec<Row>,
     /// Contacts of its edges with later ones.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) edge_contacts: Vec<BodyContact>,
     /// The persistent contacts of the previous frame, ascending by vertex.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) previous: Vec<PersistentContact>,
     /// By vertex slot: first index into `previous`, or `u32::MAX`.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) previous_of_vertex: Vec<u32>,
 }
 
@@ -53,25 +62,6 @@ impl BodyRows {
     pub(super) fn contacts_mut(&mut self) -> impl Iterator<Item = &mut BodyContact> {
         let of_vertices = self.rows.iter_mut().flat_map(|row| &mut row.contacts);
         of_vertices.chain(&mut self.edge_contacts)
-    }
-
-    /// Returns the contacts of the last search that persist to the next frame.
-    #[cfg(feature = "serde")]
-    pub(super) fn persistent(&self) -> impl Iterator<Item = &PersistentContact> {
-        self.rows.iter().flat_map(|row| &row.persistent)
-    }
-
-    /// Creates rows with contacts that persist to the next frame.
-    #[cfg(feature = "serde")]
-    pub(super) fn with_persistent(contacts: impl Iterator<Item = PersistentContact>) -> Self {
-        let row = Row {
-            persistent: contacts.collect(),
-            ..Row::default()
-        };
-        Self {
-            rows: vec![row],
-            ..Self::default()
-        }
     }
 
     /// Removes all contacts; those of the last search become the previous ones.

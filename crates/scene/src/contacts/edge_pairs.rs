@@ -16,28 +16,38 @@ const MIN_PARALLEL_PAIRS: usize = 512;
 
 /// The pairs of edges in contact, in memory reused between frames.
 #[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct EdgePairs {
+    #[cfg_attr(feature = "serde", serde(skip))]
     edges: Vec<MovingEdge>,
     /// The boxes of `edges`, ascending by piece and place.
+    #[cfg_attr(feature = "serde", serde(skip))]
     boxes: Vec<EdgeBox>,
     /// By index of a piece in the broad phase: its boxes, as a range, and a box around them.
+    #[cfg_attr(feature = "serde", serde(skip))]
     of_pieces: Vec<EdgesOfPiece>,
     /// Pairs of indices into `edges`, each in the order of their keys.
+    #[cfg_attr(feature = "serde", serde(skip))]
     near: Vec<(u32, u32)>,
     /// By pair: its normal and minimum distance \[m\], if the edges touch.
+    #[cfg_attr(feature = "serde", serde(skip))]
     touches: Vec<Option<(Vec3, f64)>>,
     /// The contacts and minimum distances \[m\] of this search, and whether they are folds.
+    #[cfg_attr(feature = "serde", serde(skip))]
     touching: Vec<(EdgePair, f64, bool)>,
     /// By edge: index of the first previous contact that it begins.
+    #[cfg_attr(feature = "serde", serde(skip))]
     known: Vec<u32>,
     /// The contacts of the last search, ascending.
     found: Vec<EdgePair>,
     /// The contacts of the previous frame, ascending.
+    #[cfg_attr(feature = "serde", serde(skip))]
     previous: Vec<EdgePair>,
 }
 
 /// A contact of two edges and its side.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct EdgePair {
     /// Bodies and half-edges.
     pub(super) key: [(u32, HalfEdge); 2],
@@ -65,16 +75,11 @@ struct EdgesOfPiece {
 }
 
 impl EdgePairs {
-    /// Returns the contacts of the last search.
+    /// Returns whether all normals are finite.
     #[cfg(feature = "serde")]
-    pub(super) fn found(&self) -> &[EdgePair] {
-        &self.found
-    }
-
-    /// Sets the contacts of the last search.
-    #[cfg(feature = "serde")]
-    pub(super) fn set_found(&mut self, found: Vec<EdgePair>) {
-        self.found = found;
+    pub(super) fn are_finite(&self) -> bool {
+        let mut normals = self.found.iter().flat_map(|pair| &pair.normal);
+        normals.all(|c| c.is_finite())
     }
 
     /// Begins a frame: the contacts of the last search become the previous ones.

@@ -16,6 +16,7 @@ const MAX_DISTANCE: f64 = 2.0;
 
 /// A contact of a vertex with a triangle, as found by the narrow phase.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct PersistentContact {
     pub(super) vertex: VertexId,
     /// Index of the triangle's body in the scene.

@@ -9,7 +9,7 @@ use incise_pbd_gpu::{Contact, ContactSet, Held};
 /// A contact and where friction held it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct HeldContact {
+struct HeldContact {
     /// Body and vertex of each of its vertices.
     key: [[u32; 2]; 4],
     held: Held,
@@ -17,6 +17,7 @@ pub(crate) struct HeldContact {
 
 /// The held contacts of the last frame, in memory reused between frames.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct HeldContacts {
     /// Ascending by key once it is [sorted](Self::sort).
     list: Vec<HeldContact>,
@@ -78,28 +79,9 @@ impl HeldContacts {
         found.ok().map(|i| self.list[i].held)
     }
 
-    /// Returns the contacts of unchanged bodies, for a file.
+    /// Returns whether all contacts are finite.
     #[cfg(feature = "serde")]
-    pub(crate) fn to_saved(&self, version: impl Fn(usize) -> Option<u64>) -> Vec<HeldContact> {
-        let is_current = |&[body, _]: &[u32; 2]| {
-            let body = body as usize;
-            self.is_current(body, version(body))
-        };
-        let contacts = self.list.iter();
-        contacts
-            .filter(|contact| contact.key.iter().all(is_current))
-            .copied()
-            .collect()
-    }
-
-    /// Returns saved contacts, if they are finite.
-    #[cfg(feature = "serde")]
-    pub(crate) fn from_saved(
-        list: Vec<HeldContact>,
-        versions: impl Iterator<Item = Option<u64>>,
-    ) -> Option<Self> {
-        let is_valid = list.iter().all(|contact| contact.held.is_finite());
-        let versions = versions.collect();
-        is_valid.then_some(Self { list, versions })
+    pub(crate) fn are_finite(&self) -> bool {
+        self.list.iter().all(|contact| contact.held.is_finite())
     }
 }

@@ -1,7 +1,7 @@
 //! [`ContactSet`]: the contacts of a frame by color, as the kernels read them.
 
 #[cfg(feature = "serde")]
-mod saved;
+mod load;
 
 use super::{Carried, Contact, Held, Press};
 use crate::constraints::coloring::{MAX_COLORS, VertexColors};
@@ -73,11 +73,14 @@ pub(crate) const NO_VERTEX: u32 = VertexId::NULL.0;
 
 /// The contacts of a frame by color.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ContactSet {
     /// One list per color; the last one, [`UNCOLORED`], is projected serially.
     pub(crate) colors: Vec<Vec<ContactRecord>>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     masks: VertexColors,
     press: Press,
+    #[cfg_attr(feature = "serde", serde(skip))]
     generation: u64,
 }
 

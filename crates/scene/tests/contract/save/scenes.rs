@@ -7,6 +7,12 @@ use incise_scene::{BladeMode, BodyId, ContactParams, Scene, SceneParams, SleepPa
 /// Number of frames after which the bodies of [`busy`] are cut, touch, or sleep.
 pub(crate) const BUSY_FRAMES: u32 = 100;
 
+/// Patches of bodies with few triangles.
+pub(crate) const SMALL_PATCHES: PatchParams = PatchParams {
+    vertices: 16,
+    room: 4,
+};
+
 /// Moves the vertices of a surface and their rest positions \[m\].
 fn moved(mut surface: Surface, by: [f32; 3]) -> Surface {
     for p in surface.positions_mut() {
@@ -85,13 +91,47 @@ pub(crate) fn busy(levels: [u32; 3], patches: &PatchParams) -> Scene {
 
 /// Returns a scene of [`busy`] with few triangles after 40 frames.
 pub(crate) fn small() -> Scene {
-    let patches = PatchParams {
-        vertices: 16,
-        room: 4,
-    };
-    let mut scene = busy([1, 1, 1], &patches);
+    let mut scene = busy([1, 1, 1], &SMALL_PATCHES);
     for frame in 0..40 {
         move_blades(&mut scene, frame);
+        scene.step().unwrap();
+    }
+    scene
+}
+
+/// Returns a scene of a hanging ball with an energy after some frames; the last two follow an edit.
+pub(crate) fn hanging(solver: SolverParams) -> Scene {
+    let mut scene = Scene::new(SceneParams {
+        solver,
+        ..SceneParams::default()
+    });
+    let material = Material {
+        stretch: Stiffness::Compliance(1e-4),
+        bending: Some(Stiffness::Compliance(1e-2)),
+        ..Material::default()
+    };
+    let ball = moved(icosphere(2, 0.4), [0.0, 1.0, 0.0]);
+    let ball = scene.add_body(ball, &material).unwrap();
+    for frame in 0..4 {
+        if frame == 2 {
+            pin_top(&mut scene, ball);
+        }
+        scene.step().unwrap();
+    }
+    scene
+}
+
+/// Returns a scene of two balls deep in each other.
+pub(crate) fn overlapping() -> Scene {
+    let mut scene = Scene::new(SceneParams {
+        contacts: Some(ContactParams::default()),
+        ..SceneParams::default()
+    });
+    for x in [0.0, 0.1] {
+        let ball = moved(icosphere(2, 0.4), [x, 1.0, 0.0]);
+        scene.add_body(ball, &Material::soft_body()).unwrap();
+    }
+    for _ in 0..12 {
         scene.step().unwrap();
     }
     scene

@@ -1,22 +1,13 @@
-//! [`SavedEdges`]: the numbers of edge records, for files.
+//! Completes and validates a loaded [`EdgeTable`].
 //!
-//! Triangles and slots of the records follow from the surface and the constraint sets.
+//! A file has the record numbers of half-edges. Triangles and slots of the records follow from the
+//! surface and the constraint sets.
 
 use super::{EdgeId, EdgeRecord, EdgeTable, NONE, PackedSlot};
 use crate::constraints::batches::{BendingSet, ConstraintSet, Slot, StretchSet};
 use crate::constraints::validate::broken;
 use crate::error::InvalidConstraints;
-use incise_mesh::{EdgeKey, HalfEdge, Topology, TriangleId, VertexId, index_u32};
-use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
-
-/// An [`EdgeTable`], as it is saved.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub(crate) struct SavedEdges<'a> {
-    of_half_edge: Cow<'a, [u32]>,
-    records: u32,
-    free: Cow<'a, [u32]>,
-}
+use incise_mesh::{EdgeKey, HalfEdge, Topology, TriangleId, VertexId};
 
 const EMPTY: EdgeRecord = EdgeRecord {
     sides: [HalfEdge::NULL; 2],
@@ -26,47 +17,36 @@ const EMPTY: EdgeRecord = EdgeRecord {
 };
 
 impl EdgeTable {
-    /// Returns the table as plain data for a file.
-    pub(crate) fn to_saved(&self) -> SavedEdges<'_> {
-        SavedEdges {
-            of_half_edge: (&self.of_half_edge).into(),
-            records: index_u32(self.records.len()),
-            free: (&self.free).into(),
-        }
-    }
-
-    /// Returns a saved table for its surface and constraints.
+    /// Completes a table that was read with serde, for its surface and constraints.
     ///
     /// # Errors
     /// [`InvalidConstraints`] unless every edge has one record, one stretch constraint, and with
     /// bending one bending constraint if there are triangles on both sides.
-    pub(crate) fn from_saved(
-        saved: SavedEdges<'_>,
+    pub(crate) fn finish_load(
+        &mut self,
         topology: &Topology,
         stretch: &StretchSet,
         bending: Option<&BendingSet>,
-    ) -> Result<Self, InvalidConstraints> {
-        let half_edges = saved.of_half_edge.len();
-        let records = saved.records as usize;
-        if half_edges != 3 * topology.triangle_slots() || records > half_edges + saved.free.len() {
+    ) -> Result<(), InvalidConstraints> {
+        let half_edges = self.of_half_edge.len();
+        let used = self.of_half_edge.iter().filter(|&&edge| edge != NONE);
+        let last = used.chain(&self.free).max();
+        let records = last.map_or(0, |&last| (last as usize).saturating_add(1));
+        if half_edges != 3 * topology.triangle_slots() || records > half_edges + self.free.len() {
             return broken("one record per edge", None);
         }
         let corners = (0..topology.triangle_slots()).map(TriangleId::from_index);
-        let mut table = Self {
-            corners: corners.map(|t| topology.triangle(t)).collect(),
-            of_half_edge: saved.of_half_edge.into_owned(),
-            records: vec![EMPTY; records],
-            free: saved.free.into_owned(),
-        };
-        table.set_sides(topology)?;
-        table.check_free()?;
+        self.corners = corners.map(|t| topology.triangle(t)).collect();
+        self.records = vec![EMPTY; records];
+        self.set_sides(topology)?;
+        self.check_free()?;
         let ends = |record: &EdgeRecord| record.ends(topology);
-        table.set_slots_of(stretch, |record| &mut record.stretch, ends)?;
+        self.set_slots_of(stretch, |record| &mut record.stretch, ends)?;
         if let Some(bending) = bending {
             let hinge = |record: &EdgeRecord| record.hinge(topology);
-            table.set_slots_of(bending, |record| &mut record.bending, hinge)?;
+            self.set_slots_of(bending, |record| &mut record.bending, hinge)?;
         }
-        for record in &table.records {
+        for record in &self.records {
             let is_hinge = bending.is_some() && record.hinge(topology).is_some();
             if let Some([a, b]) = record.ends(topology)
                 && (record.stretch().is_none() || record.bending().is_some() != is_hinge)
@@ -75,7 +55,7 @@ impl EdgeTable {
                 return broken("every edge has its constraints", Some(edge));
             }
         }
-        Ok(table)
+        Ok(())
     }
 
     /// Sets the half-edges of all records.

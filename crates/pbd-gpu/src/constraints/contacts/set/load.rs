@@ -1,29 +1,24 @@
-//! Saving of contacts, whose colors follow from them.
+//! Completes and validates loaded contacts, whose colors follow from them.
 
 use super::{ContactRecord, ContactSet, NO_VERTEX, UNCOLORED};
 use crate::constraints::coloring::VertexColors;
-use crate::constraints::contacts::{Carried, ContactKind, Press};
+use crate::constraints::contacts::{Carried, ContactKind};
+use crate::error::InvalidSolver;
 use incise_mesh::VertexId;
 
 impl ContactSet {
-    /// Returns the contacts by color, for a file; none without contacts.
-    pub(crate) fn to_saved(&self) -> &[Vec<ContactRecord>] {
-        if self.is_empty() { &[] } else { &self.colors }
-    }
-
-    /// Returns saved contacts with the maxima of their [`Press`], if those of a color share no
-    /// vertex and `is_used` holds for all.
-    pub(crate) fn from_saved(
-        (colors, press): (Vec<Vec<ContactRecord>>, Press),
-        (slots, is_used): (usize, impl Fn(VertexId) -> bool),
-    ) -> Option<Self> {
-        if !press.is_valid() {
-            return None;
-        }
-        if colors.is_empty() {
-            return Some(Self::default());
-        }
-        let mut masks = VertexColors::new(1);
+    /// Completes contacts that were read with serde, of a body with `slots` vertex slots.
+    ///
+    /// # Errors
+    /// [`InvalidSolver::Array`] unless `is_used` holds for all vertices, and contacts of a color
+    /// share none.
+    pub(crate) fn finish_load(
+        &mut self,
+        slots: usize,
+        is_used: impl Fn(VertexId) -> bool,
+    ) -> Result<(), InvalidSolver> {
+        let has_colors = !self.colors.is_empty();
+        let mut masks = VertexColors::new(usize::from(has_colors));
         masks.resize(slots);
         let mut own = |(color, contacts): (usize, &Vec<ContactRecord>)| {
             contacts.iter().all(|contact| {
@@ -34,13 +29,12 @@ impl ContactSet {
                     && (color == UNCOLORED || masks.claim_color(color, ids))
             })
         };
-        let is_valid = colors.len() == UNCOLORED + 1 && colors.iter().enumerate().all(&mut own);
-        is_valid.then_some(Self {
-            colors,
-            masks,
-            press,
-            generation: 0,
-        })
+        let is_valid = self.press.is_valid()
+            && (!has_colors || self.colors.len() == UNCOLORED + 1)
+            && self.colors.iter().enumerate().all(&mut own);
+        self.masks = masks;
+        let array = "contacts";
+        is_valid.then_some(()).ok_or(InvalidSolver::Array { array })
     }
 }
 

@@ -1,0 +1,37 @@
+//! Completes and validates a loaded [`StepState`].
+
+use super::StepState;
+use crate::constraints::Constraints;
+use crate::error::InvalidSolver;
+
+impl StepState {
+    /// Completes a state that was read with serde, of a body with `slots` vertex slots.
+    ///
+    /// # Errors
+    /// [`InvalidSolver::Array`].
+    pub(crate) fn finish_load(
+        &mut self,
+        constraints: &Constraints,
+        slots: usize,
+    ) -> Result<(), InvalidSolver> {
+        let Constraints {
+            stretch,
+            bending,
+            interior_springs,
+            ..
+        } = constraints;
+        (self.plan).finish_load(stretch, bending.as_ref(), interior_springs.as_ref());
+        self.history.validate(slots)?;
+        let mean = self.mean_rest_length.unwrap_or_default();
+        let times = [self.longest_substep, self.settling_time_left];
+        if !(times.iter().all(|time| time.is_finite()) && mean.is_finite()) {
+            let array = "times of the last step";
+            return Err(InvalidSolver::Array { array });
+        }
+        #[cfg(feature = "global")]
+        if let Some(global) = &mut self.global {
+            global.finish_load(slots)?;
+        }
+        Ok(())
+    }
+}
