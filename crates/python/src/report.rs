@@ -24,7 +24,6 @@ pub(crate) fn of_cut<'py>(py: Python<'py>, report: &CutReport) -> PyResult<Bound
         ("collapsed_vertices", report.collapsed_vertices),
         ("collapsed_points", report.collapsed_nodes),
         ("short_rim_edges", report.short_rim_edges),
-        ("fallback_sides", report.fallback_sides),
     ] {
         out.set_item(key, count)?;
     }

@@ -4,10 +4,11 @@
 //! triangles without the cap, and the same of a cut without the next step.
 
 use super::figure::{BODY, ColoredSurface, EDGE, FigureError, NEW, Panel, Row, letter};
-use super::slice::{Plane, Slice, facts, methods, name, params, place, side};
-use incise_cut::{CutMethod, CutParams, ExactParams, PaperParams};
+use super::slice::{Method, Plane, Slice, facts, methods, place, side};
+use incise_cut::CutParams;
 use incise_mesh::{Surface, TriangleId, Vec3, VertexId, VertexOrigin};
 use incise_models::{Model, build_model};
+use incise_paper::PaperParams;
 use incise_refine::RefinementLevel;
 use incise_render::{Camera, Line};
 use std::collections::HashSet;
@@ -17,44 +18,40 @@ const MODEL: Model = Model::Sphere80;
 /// The plane that cuts Sphere80, away from its center and its edges.
 pub(super) const PLANE: Plane = [1.0, 0.12, 0.2, 0.06];
 
-/// The name of a step, and the parameters of a cut that ends with it.
-type Step = (&'static str, CutParams);
+/// The name of a step, and the method of a cut that ends with it.
+type Step = (&'static str, Method);
 
 pub(super) fn boundary() -> Result<Vec<Row>, FigureError> {
     let surface = build_model(MODEL);
     let [x, y, z, _] = PLANE;
     let whole = ColoredSurface::new(surface.clone(), |_, _| Some(BODY));
     let camera = side(Vec3::new(x, y, z)).frame(whole.corners(), 1.0);
-    let rows = methods().map(|method| row(&surface, camera, method));
+    let rows = methods(RefinementLevel::Original).map(|method| row(&surface, camera, method));
     rows.into_iter().collect()
 }
 
 /// Returns the third and the fourth step of a method.
-fn steps(method: CutMethod) -> [Step; 2] {
-    let last = params(method, RefinementLevel::Original);
-    match method {
-        CutMethod::Paper(paper) => {
+fn steps(last: Method) -> [Step; 2] {
+    let (first, names) = match last {
+        Method::Paper(paper) => {
             // No angle is below 0, so that no ear is closed.
             let ear_angle = 0.0;
-            let method = CutMethod::Paper(PaperParams { ear_angle, ..paper });
-            let first = CutParams { method, ..last };
-            let names = ["edges joined to points", "acute angles closed"];
-            [(names[0], first), (names[1], last)]
+            let first = Method::Paper(PaperParams { ear_angle, ..paper });
+            (first, ["edges joined to points", "acute angles closed"])
         }
-        CutMethod::Exact(exact) => {
-            let method = CutMethod::Exact(ExactParams { snap: 0.0, ..exact });
-            let first = CutParams { method, ..last };
-            let names = ["split along the sweep", "short rim edges snapped"];
-            [(names[0], first), (names[1], last)]
+        Method::Exact(exact) => {
+            let first = Method::Exact(CutParams { snap: 0.0, ..exact });
+            (first, ["split along the sweep", "short rim edges snapped"])
         }
-    }
+    };
+    [(names[0], first), (names[1], last)]
 }
 
-fn row(surface: &Surface, camera: Camera, method: CutMethod) -> Result<Row, FigureError> {
+fn row(surface: &Surface, camera: Camera, method: Method) -> Result<Row, FigureError> {
     let steps = steps(method);
-    let slices = steps.map(|(_, params)| Slice::new(surface, PLANE, &params));
+    let slices = steps.map(|(_, method)| Slice::new(surface, PLANE, method));
     let slices = slices.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let facts = facts(MODEL, &steps[1].1, &[PLANE]);
+    let facts = facts(MODEL, method, &[PLANE]);
     let panel = |i: usize, text: &str, shown: Rc<ColoredSurface>| {
         let label = format!("({}) {text}", letter(i));
         Panel::from_surfaces(label, camera, vec![shown], facts.clone())
@@ -89,7 +86,7 @@ fn row(surface: &Surface, camera: Camera, method: CutMethod) -> Result<Row, Figu
         panels.push(panel);
     }
     Ok(Row {
-        title: format!("{}, {}", MODEL.name(), name(method)),
+        title: format!("{}, {}", MODEL.name(), method.name()),
         panels,
     })
 }

@@ -4,7 +4,7 @@ use super::slice::place;
 use crate::failure::Failure;
 use incise_cut::CutError;
 use incise_mesh::{Surface, TopologyError, TriangleId};
-use incise_refine::RefineError;
+use incise_paper::PaperError;
 use incise_render::{Camera, Color, Line, OverlayTriangle};
 use incise_scene::SceneError;
 use serde::Serialize;
@@ -24,9 +24,9 @@ pub(crate) enum FigureError {
     /// A model cannot be cut.
     #[error(transparent)]
     Cut(#[from] CutError),
-    /// A hole cannot be triangulated.
+    /// A model cannot be cut by the paper's method.
     #[error(transparent)]
-    Refine(#[from] RefineError),
+    Paper(#[from] PaperError),
     /// Triangles do not form a surface.
     #[error(transparent)]
     Topology(#[from] TopologyError),

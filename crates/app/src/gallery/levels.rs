@@ -1,7 +1,7 @@
 //! Figures 4, 7 to 10 and A1 to A4: the five refinement levels, second half removed.
 
 use super::figure::{FigureError, Panel, Row, letter};
-use super::slice::{Plane, Slice, facts, front, methods, name, params, side};
+use super::slice::{Plane, Slice, facts, front, methods, side};
 use incise_mesh::geometry::to_f32;
 use incise_models::{Model, build_model};
 use incise_refine::RefinementLevel;
@@ -39,9 +39,9 @@ impl Look {
 pub(super) fn levels(model: Model, plane: Plane, looks: &[Look]) -> Result<Vec<Row>, FigureError> {
     let surface = build_model(model);
     let mut rows = Vec::new();
-    for method in methods() {
-        let each = RefinementLevel::FIVE.map(|level| params(method, level));
-        let slices = each.map(|params| Slice::new(&surface, plane, &params));
+    for m in 0..2 {
+        let each = RefinementLevel::FIVE.map(|level| methods(level)[m]);
+        let slices = each.map(|method| Slice::new(&surface, plane, method));
         let slices = slices.into_iter().collect::<Result<Vec<_>, _>>()?;
         let halves: Vec<_> = slices.iter().map(Slice::half).collect();
         for look in looks {
@@ -51,15 +51,15 @@ pub(super) fn levels(model: Model, plane: Plane, looks: &[Look]) -> Result<Vec<R
                 .iter()
                 .zip(&halves)
                 .enumerate()
-                .map(|(i, (params, half))| {
-                    let mut facts = facts(model, params, &[plane]);
+                .map(|(i, (&method, half))| {
+                    let mut facts = facts(model, method, &[plane]);
                     facts.second_half_removed = true;
-                    let (letter, level, caps) = (letter(i), params.refine.level, half.caps());
+                    let (letter, level, caps) = (letter(i), method.level(), half.caps());
                     let label = format!("({letter}) {level}, {caps} cap triangles");
                     Panel::from_surfaces(label, camera, vec![half.clone()], facts)
                 });
             rows.push(Row {
-                title: format!("{}, {}, {}", model.name(), name(method), look.name()),
+                title: format!("{}, {}, {}", model.name(), each[0].name(), look.name()),
                 panels: panels.collect(),
             });
         }

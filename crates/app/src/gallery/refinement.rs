@@ -1,17 +1,16 @@
 //! Figure 3: triangulation and refinement of a hole by the paper's listings, step by step.
 //!
-//! `incise-refine` provides the steps: its triangulation, its refinement with zero rounds and with
+//! `incise-paper` provides the steps: its triangulation, its refinement with zero rounds and with
 //! one, and for every new vertex the triangle that it split.
 
 use super::boundary::PLANE;
 use super::figure::{BODY, CAP, ColoredSurface, FigureError, Panel, Row, letter};
-use super::slice::{Slice, facts, is_cap, methods, name, params, side};
-use incise_cut::CutMethod;
+use super::slice::{Method, Slice, facts, is_cap, methods, side};
 use incise_mesh::geometry::{area_vector, to_f32};
 use incise_mesh::{Surface, Vec3};
 use incise_models::{Model, build_model};
-use incise_refine::paper::{Patch, fill, mean_rim_length, refine, triangulate};
-use incise_refine::{RefineError, RefineParams, RefinementLevel};
+use incise_paper::{PaperError, PaperParams, Patch, fill, mean_rim_length, refine, triangulate};
+use incise_refine::RefinementLevel;
 use incise_render::Camera;
 
 const MODEL: Model = Model::Sphere80;
@@ -29,14 +28,13 @@ pub(super) fn refinement() -> Result<Vec<Row>, FigureError> {
     let [x, y, z, _] = PLANE;
     let whole = ColoredSurface::new(surface.clone(), |_, _| Some(BODY));
     let camera = side(Vec3::new(x, y, z)).frame(whole.corners(), 1.0);
-    let rows = methods().map(|method| row(&surface, camera, method));
+    let rows = methods(RefinementLevel::Original).map(|method| row(&surface, camera, method));
     rows.into_iter().collect()
 }
 
-fn row(surface: &Surface, camera: Camera, method: CutMethod) -> Result<Row, FigureError> {
-    let params = params(method, RefinementLevel::Original);
-    let slice = Slice::new(surface, PLANE, &params)?;
-    let mut facts = facts(MODEL, &params, &[PLANE]);
+fn row(surface: &Surface, camera: Camera, method: Method) -> Result<Row, FigureError> {
+    let slice = Slice::new(surface, PLANE, method)?;
+    let mut facts = facts(MODEL, method, &[PLANE]);
     let whole = ColoredSurface::new(surface.clone(), |_, _| Some(BODY));
     let label = "(a) before the cut".to_owned();
     let mut panels = vec![Panel::from_surfaces(
@@ -68,23 +66,23 @@ fn row(surface: &Surface, camera: Camera, method: CutMethod) -> Result<Row, Figu
         let label = format!("({}) {text}, {triangles}", letter(i + 1));
         panels.push(Panel::from_surfaces(label, camera, shown, facts.clone()));
     }
-    if matches!(method, CutMethod::Exact(_)) {
+    if matches!(method, Method::Exact(_)) {
         let half = slice.half();
         let label = format!("(f) the method's own cap, {}", half.caps());
         panels.push(Panel::from_surfaces(label, camera, vec![half], facts));
     }
     Ok(Row {
-        title: format!("{}, rim of {}", MODEL.name(), name(method)),
+        title: format!("{}, rim of {}", MODEL.name(), method.name()),
         panels,
     })
 }
 
 /// The patch of a rim after each step.
-fn steps(rim: &[Vec3]) -> Result<[Patch; 4], RefineError> {
+fn steps(rim: &[Vec3]) -> Result<[Patch; 4], PaperError> {
     let (alpha, normal) = (mean_rim_length(rim), newell(rim));
-    let rounds = |max_rounds| RefineParams {
+    let rounds = |max_rounds| PaperParams {
         max_rounds,
-        ..RefineParams::default()
+        ..PaperParams::default()
     };
     let free = |_, _| false;
     let initial = triangulate(rim, normal, &free);
@@ -93,7 +91,7 @@ fn steps(rim: &[Vec3]) -> Result<[Patch; 4], RefineError> {
     let mut once = initial.clone();
     refine(&mut once, normal, alpha, &rounds(1), &free)?;
     let divided = divided(swapped, &once);
-    let refined = fill(rim, normal, &RefineParams::default(), free)?;
+    let refined = fill(rim, normal, &PaperParams::default(), free)?;
     // Swaps before the first round would only make edges between vertices of the rim, which are all
     // there are; where these count as joined there are none. After it the listing goes on as
     // always, beginning with the swaps of that round.
@@ -104,7 +102,7 @@ fn steps(rim: &[Vec3]) -> Result<[Patch; 4], RefineError> {
         &mut unswapped,
         normal,
         alpha,
-        &rounds(RefineParams::default().max_rounds - 1),
+        &rounds(PaperParams::default().max_rounds - 1),
         &free,
     )?;
     Ok([initial, divided, refined, unswapped])
@@ -128,9 +126,9 @@ fn has_made(patch: &Patch, caps: &[[Vec3; 3]]) -> bool {
 ///
 /// That is the start from which the whole refinement gives the cut's own caps. Caps of the exact
 /// method have none, and their rim stays as it is.
-fn as_the_cut_begins(mut rim: Vec<Vec3>, caps: &[[Vec3; 3]]) -> Result<Vec<Vec3>, RefineError> {
+fn as_the_cut_begins(mut rim: Vec<Vec3>, caps: &[[Vec3; 3]]) -> Result<Vec<Vec3>, PaperError> {
     for _ in 0..rim.len() {
-        let patch = fill(&rim, newell(&rim), &RefineParams::default(), |_, _| false)?;
+        let patch = fill(&rim, newell(&rim), &PaperParams::default(), |_, _| false)?;
         if has_made(&patch, caps) {
             break;
         }
@@ -169,16 +167,12 @@ fn divided(mut patch: Patch, after: &Patch) -> Patch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use incise_cut::PaperParams;
 
     #[test]
     fn the_steps_are_those_of_the_cut() {
         let surface = build_model(MODEL);
-        let params = params(
-            CutMethod::Paper(PaperParams::default()),
-            RefinementLevel::Original,
-        );
-        let slice = Slice::new(&surface, PLANE, &params).unwrap();
+        let [paper, _] = methods(RefinementLevel::Original);
+        let slice = Slice::new(&surface, PLANE, paper).unwrap();
         let rims = slice.rims();
         assert_eq!(rims.len(), 1);
         let rim = rims[0].iter().map(|&v| slice.surface.position(v)).collect();
@@ -189,9 +183,9 @@ mod tests {
         // All vertices that a round makes are there, each in place of one triangle by three, and no
         // swap has changed that.
         let mut once = initial.clone();
-        let one = RefineParams {
+        let one = PaperParams {
             max_rounds: 1,
-            ..RefineParams::default()
+            ..PaperParams::default()
         };
         refine(
             &mut once,

@@ -1,20 +1,71 @@
 //! A model cut along a plane, and the cameras for its halves.
 
 use super::figure::{BODY, CAP, ColoredSurface, Facts, FigureError};
-use incise_cut::{CutMethod, CutOutcome, CutParams, Cutter, PaperParams, Sweep};
+use incise_cut::{CutOutcome, CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, TriangleId, Vec3, VertexId};
 use incise_models::Model;
+use incise_paper::PaperParams;
 use incise_refine::{RefineParams, RefinementLevel};
 use incise_render::{Camera, Color};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// The two methods, the paper's first.
-pub(super) fn methods() -> [CutMethod; 2] {
+/// A method to cut, with its parameters.
+#[derive(Clone, Copy)]
+pub(super) enum Method {
+    Paper(PaperParams),
+    Exact(CutParams),
+}
+
+/// The two methods at a refinement level, the paper's first.
+pub(super) fn methods(level: RefinementLevel) -> [Method; 2] {
+    let refine = RefineParams {
+        level,
+        // The paper's caps are uniform.
+        grading: 0.0,
+        ..RefineParams::default()
+    };
     [
-        CutMethod::Paper(PaperParams::default()),
-        CutMethod::default(),
+        Method::Paper(PaperParams {
+            level,
+            ..PaperParams::default()
+        }),
+        Method::Exact(CutParams {
+            refine,
+            ..CutParams::default()
+        }),
     ]
+}
+
+impl Method {
+    /// Returns the name for titles and the index.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Paper(_) => "paper",
+            Self::Exact(_) => "exact",
+        }
+    }
+
+    /// Returns the refinement level.
+    pub(super) fn level(self) -> RefinementLevel {
+        match self {
+            Self::Paper(params) => params.level,
+            Self::Exact(params) => params.refine.level,
+        }
+    }
+
+    /// Cuts a surface.
+    pub(super) fn cut(
+        self,
+        cutter: &mut Cutter,
+        surface: &mut Surface,
+        sweep: &Sweep,
+    ) -> Result<CutOutcome, FigureError> {
+        Ok(match self {
+            Self::Paper(params) => incise_paper::cut(cutter, surface, sweep, &params)?.cut,
+            Self::Exact(params) => cutter.cut(surface, sweep, &params)?,
+        })
+    }
 }
 
 /// A plane: its normal, of any length, and its offset `d`.
@@ -29,34 +80,12 @@ pub(super) struct Slice {
     is_behind: Vec<bool>,
 }
 
-/// Returns a method's name for titles and the index.
-pub(super) fn name(method: CutMethod) -> &'static str {
-    match method {
-        CutMethod::Paper(_) => "paper",
-        _ => "exact",
-    }
-}
-
-/// Returns the parameters of a cut.
-pub(super) fn params(method: CutMethod, level: RefinementLevel) -> CutParams {
-    CutParams {
-        method,
-        refine: RefineParams {
-            level,
-            // The paper's caps are uniform.
-            grading: 0.0,
-            ..RefineParams::default()
-        },
-        ..CutParams::default()
-    }
-}
-
 /// Returns the facts of a cut model for the index.
-pub(super) fn facts(model: Model, params: &CutParams, planes: &[Plane]) -> Facts {
+pub(super) fn facts(model: Model, method: Method, planes: &[Plane]) -> Facts {
     Facts {
         model: Some(model.name()),
-        method: Some(name(params.method)),
-        level: Some(params.refine.level.to_string()),
+        method: Some(method.name()),
+        level: Some(method.level().to_string()),
         planes: planes.to_vec(),
         ..Facts::default()
     }
@@ -72,11 +101,11 @@ impl Slice {
     pub(super) fn new(
         surface: &Surface,
         plane: Plane,
-        params: &CutParams,
+        method: Method,
     ) -> Result<Self, FigureError> {
         let mut surface = surface.clone();
         let sweep = sweep(&surface, plane)?;
-        let outcome = Cutter::new(&surface).cut(&mut surface, &sweep, params)?;
+        let outcome = method.cut(&mut Cutter::new(&surface), &mut surface, &sweep)?;
         let [x, y, z, d] = plane;
         let centers = crate::explode::centers(&surface);
         let is_behind = centers.iter().map(|c| c.dot(&Vec3::new(x, y, z)) < d);

@@ -1,7 +1,7 @@
 //! Figures 5 and 6 and textures: models sliced repeatedly, the pieces moved apart.
 
 use super::figure::{ColoredSurface, FigureError, Panel, Row, letter};
-use super::slice::{Plane, color, facts, methods, name, params, sweep};
+use super::slice::{Method, Plane, color, facts, methods, sweep};
 use crate::explode::{centers, move_pieces};
 use crate::numbers::counted;
 use incise_cut::{CutParams, Cutter};
@@ -16,20 +16,19 @@ const EXPLOSION: f64 = 0.45;
 /// Returns the slices of models, one row per method.
 pub(super) fn slices(models: &[(Model, &[Plane])]) -> Result<Vec<Row>, FigureError> {
     let mut rows = Vec::new();
-    for method in methods() {
-        let params = params(method, RefinementLevel::Original);
+    for method in methods(RefinementLevel::Original) {
         let mut panels = Vec::new();
         for (i, &(model, planes)) in models.iter().enumerate() {
-            let surface = sliced(build_model(model), planes, &params)?;
+            let surface = sliced(build_model(model), planes, method)?;
             let pieces = surface.piece_count();
             let shown = ColoredSurface::new(surface, |surface, t| Some(color(surface, t)));
             let camera = Camera::default().frame(shown.corners(), 1.0);
-            let facts = facts(model, &params, planes);
+            let facts = facts(model, method, planes);
             let label = format!("({}) {}, {pieces} pieces", letter(i), model.name());
             panels.push(Panel::from_surfaces(label, camera, vec![shown], facts));
         }
         rows.push(Row {
-            title: name(method).to_owned(),
+            title: method.name().to_owned(),
             panels,
         });
     }
@@ -41,16 +40,16 @@ const SQUARES: f32 = 16.0;
 
 /// Returns a model with a checkerboard on its texture coordinates, after each list of cuts.
 pub(super) fn textured(model: Model, slices: &[&[Plane]]) -> Result<Vec<Row>, FigureError> {
-    let params = CutParams::default();
+    let method = Method::Exact(CutParams::default());
     let mut panels = Vec::new();
     for (i, &planes) in slices.iter().enumerate() {
-        let surface = sliced(build_model(model), planes, &params)?;
+        let surface = sliced(build_model(model), planes, method)?;
         let pieces = surface.piece_count();
         let shown = ColoredSurface::new(surface, |surface, t| Some(color(surface, t)));
         let shown = shown.with_checkers(SQUARES);
         let camera = Camera::default().frame(shown.corners(), 1.0);
         let label = format!("({}) {}", letter(i), counted(pieces, "piece"));
-        let facts = facts(model, &params, planes);
+        let facts = facts(model, method, planes);
         panels.push(Panel::from_surfaces(label, camera, vec![shown], facts));
     }
     let title = model.name().to_owned();
@@ -58,15 +57,11 @@ pub(super) fn textured(model: Model, slices: &[&[Plane]]) -> Result<Vec<Row>, Fi
 }
 
 /// Cuts a surface along successive planes and moves the pieces apart.
-fn sliced(
-    mut surface: Surface,
-    planes: &[Plane],
-    params: &CutParams,
-) -> Result<Surface, FigureError> {
+fn sliced(mut surface: Surface, planes: &[Plane], method: Method) -> Result<Surface, FigureError> {
     let mut cutter = Cutter::new(&surface);
     for &plane in planes {
         let sweep = sweep(&surface, plane)?;
-        let _ = cutter.cut(&mut surface, &sweep, params)?;
+        let _ = method.cut(&mut cutter, &mut surface, &sweep)?;
     }
     let middle = surface.bounds().center();
     let moves: Vec<Vec3> = (centers(&surface).iter())

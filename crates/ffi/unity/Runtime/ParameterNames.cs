@@ -27,35 +27,23 @@ namespace Incise
         public const string SolverIntegrator = "solver.integrator";
         /// <summary>Maximum number of threads of a step on the CPU; `None` for all of the current rayon pool.</summary>
         public const string SolverThreads = "solver.threads";
-        /// <summary>The method that opens the surface, with its own parameters.</summary>
-        public const string CutMethod = "cut.method";
         /// <summary>Minimum length of edges along the rim.</summary>
-        public const string CutMethodExactSnap = "cut.method.exact.snap";
+        public const string CutSnap = "cut.snap";
         /// <summary>Maximum displacement of the old surface by remeshing.</summary>
-        public const string CutMethodExactRemesh = "cut.method.exact.remesh";
-        /// <summary>Distance below which intersection points merge: the alpha of Algorithm 2, line 24.</summary>
-        public const string CutMethodPaperMinDistance = "cut.method.paper.min_distance";
-        /// <summary>Distance from the plane below which an edge of the old boundary stays: the beta of Algorithm 3. The paper gives no number.</summary>
-        public const string CutMethodPaperBeta = "cut.method.paper.beta";
-        /// <summary>Angle below which an ear of the new boundary is closed: Algorithm 3, line 31. The paper's value is 120.</summary>
-        public const string CutMethodPaperEarAngle = "cut.method.paper.ear_angle";
-        /// <summary>The algorithm for caps of the exact cutting method. `crate::paper::fill` ignores it.</summary>
-        public const string CutRefineMethod = "cut.refine.method";
+        public const string CutRemesh = "cut.remesh";
         /// <summary>Edge length relative to the rim's edges.</summary>
         public const string CutRefineLevel = "cut.refine.level";
-        /// <summary>The t of Formula 2 for the whole patch.</summary>
+        /// <summary>Edge length of the surface at the rim: the t of the paper's Formula 2.</summary>
         public const string CutRefineRimLength = "cut.refine.rim_length";
         /// <summary>Growth of the target length with the distance from the rim.</summary>
         public const string CutRefineGrading = "cut.refine.grading";
-        /// <summary>Maximum rounds of subdivision and edge swaps: n of Algorithm 4.</summary>
-        public const string CutRefineMaxRounds = "cut.refine.max_rounds";
         /// <summary>Maximum number of triangles of a patch; a patch that needs more is an error.</summary>
         public const string CutRefineMaxTriangles = "cut.refine.max_triangles";
-        /// <summary>The curves along which the exact method closes the surface again.</summary>
+        /// <summary>The curves along which caps and walls close the surface again.</summary>
         public const string CutCaps = "cut.caps";
         /// <summary>The material of caps and walls.</summary>
         public const string CutCapMaterial = "cut.cap_material";
-        /// <summary>Texture coordinates of the exact method's caps and walls per unit of length. They are positions in the sweep laid flat, times this number.</summary>
+        /// <summary>Texture coordinates of caps and walls per unit of length. They are positions in the sweep laid flat, times this number.</summary>
         public const string CutCapUvScale = "cut.cap_uv_scale";
         /// <summary>Cuts only this piece of the surface; the sweep passes through the others. A step of an incision may renumber the piece of its tip.</summary>
         public const string CutOnlyPiece = "cut.only_piece";
