@@ -74,7 +74,7 @@ function start(mesh) {
 }
 
 function applySettings() {
-  state.scene.set({ level: element("level").value, method: element("method").value });
+  state.scene.set({ level: element("level").value });
 }
 
 /** Cuts right through along a line on the screen, given the blade at both of its ends. */
@@ -198,9 +198,7 @@ const actions = {
 
 function listen() {
   element("model").addEventListener("change", (e) => start(Mesh.model(e.target.value)));
-  for (const id of ["level", "method"]) {
-    element(id).addEventListener("change", () => attempt(applySettings));
-  }
+  element("level").addEventListener("change", () => attempt(applySettings));
   element("undo").addEventListener("click", undo);
   element("reset").addEventListener("click", () => start(state.mesh));
   element("file").addEventListener("change", (e) => {

@@ -4,12 +4,13 @@ mod delta;
 mod exact;
 mod section;
 
-pub use exact::{assert_caps_cover_section, exact_params};
+pub use exact::assert_caps_cover_section;
 
 use delta::assert_delta_matches;
 use exact::assert_exact;
-use incise_cut::{CutError, CutMethod, CutOutcome, CutParams, Cutter, Sweep};
+use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Sweep};
 use incise_mesh::{EdgeKey, Surface, TriangleId, VertexId};
+use incise_paper::{PaperError, PaperParams};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Asserts that a surface is a closed manifold of whole pieces.
@@ -94,7 +95,7 @@ fn euler_characteristic_of(surface: &Surface, part: &[TriangleId]) -> i64 {
 /// - the result is a closed manifold and the BVH matches it;
 /// - the delta lists the whole difference and nothing else;
 /// - the Euler characteristic grows by that of the caps, which is 1 for a disk;
-/// - those of the exact method, see `invariants/exact.rs`.
+/// - those of `invariants/exact.rs`.
 ///
 /// # Errors
 /// [`CutError`] of a failed cut.
@@ -109,6 +110,46 @@ pub fn cut_and_check(
 ) -> Result<CutOutcome, CutError> {
     let before = surface.clone();
     let result = cutter.cut(surface, sweep, params);
+    let outcome = assert_changed(&before, surface, cutter, result)?;
+    if !outcome.is_miss() {
+        let added = euler_characteristic_of(surface, &outcome.cap);
+        assert_euler_characteristic(&before, surface, &outcome, added);
+        assert_exact(&before, surface, sweep, params, &outcome);
+    }
+    Ok(outcome)
+}
+
+/// Cuts by the paper's method, and asserts the invariants of [`cut_and_check`] except for the last.
+///
+/// # Errors
+/// [`PaperError`] of a failed cut.
+///
+/// # Panics
+/// If an invariant does not hold.
+pub fn paper_cut_and_check(
+    surface: &mut Surface,
+    cutter: &mut Cutter,
+    sweep: &Sweep,
+    params: &PaperParams,
+) -> Result<CutOutcome, PaperError> {
+    let before = surface.clone();
+    let result = incise_paper::cut(cutter, surface, sweep, params).map(|outcome| outcome.cut);
+    let outcome = assert_changed(&before, surface, cutter, result)?;
+    if !outcome.is_miss() {
+        // Two disks per loop.
+        let added = 2 * i64::try_from(outcome.report.loops).expect("loops are few");
+        assert_euler_characteristic(&before, surface, &outcome, added);
+    }
+    Ok(outcome)
+}
+
+/// Asserts that a failed cut and a miss change nothing, and others what their delta lists.
+fn assert_changed<E>(
+    before: &Surface,
+    surface: &Surface,
+    cutter: &Cutter,
+    result: Result<CutOutcome, E>,
+) -> Result<CutOutcome, E> {
     cutter
         .bvh()
         .validate(surface)
@@ -116,31 +157,31 @@ pub fn cut_and_check(
     let outcome = match result {
         Ok(outcome) if !outcome.is_miss() => outcome,
         other => {
-            assert_same_bits(&before, surface);
+            assert_same_bits(before, surface);
             return other;
         }
     };
     assert_closed_manifold(surface);
-    assert_delta_matches(&before, surface, &outcome.delta);
+    assert_delta_matches(before, surface, &outcome.delta);
     let added: BTreeSet<TriangleId> = outcome.delta.triangles_added.iter().copied().collect();
     assert!(
         outcome.cap.iter().all(|t| added.contains(t)),
         "caps are new triangles"
     );
+    Ok(outcome)
+}
+
+fn assert_euler_characteristic(
+    before: &Surface,
+    surface: &Surface,
+    outcome: &CutOutcome,
+    added: i64,
+) {
     let sum = |s: &Surface| euler_characteristics(s).values().sum::<i64>();
-    let added = match params.method {
-        // Two disks per loop.
-        CutMethod::Paper(_) => 2 * i64::try_from(outcome.report.loops).expect("loops are few"),
-        CutMethod::Exact(_) => euler_characteristic_of(surface, &outcome.cap),
-    };
     assert_eq!(
         sum(surface),
-        sum(&before) + added,
+        sum(before) + added,
         "{} loops cut and closed",
         outcome.report.loops
     );
-    if let CutMethod::Exact(_) = params.method {
-        assert_exact(&before, surface, sweep, params, &outcome);
-    }
-    Ok(outcome)
 }

@@ -14,7 +14,7 @@ pub use bodies::{
 };
 pub use invariants::{
     assert_caps_cover_section, assert_closed_manifold, assert_same_bits, cut_and_check,
-    euler_characteristics, exact_params,
+    euler_characteristics, paper_cut_and_check,
 };
 pub use planes::{LARGE, Planes};
 

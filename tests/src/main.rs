@@ -2,7 +2,7 @@
 //! cut and counts failures.
 
 use clap::Parser;
-use incise_cut::{CutMethod, CutParams, ExactParams};
+use incise_cut::CutParams;
 use incise_mesh::{Surface, read_mesh, torus};
 use incise_models::{Model, build_model};
 use incise_tests::{Body, Deformation, Planes, Shape, shells};
@@ -136,7 +136,8 @@ fn cut(body_to_cut: &TestBody, planes: usize, settings: &[(f64, f64)]) -> Tally 
     };
     let one = |(i, (snap, remesh))| {
         let params = CutParams {
-            method: CutMethod::Exact(ExactParams { snap, remesh }),
+            snap,
+            remesh,
             ..CutParams::default()
         };
         // Invariants are assertions, whose messages go to standard error.

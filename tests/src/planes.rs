@@ -1,7 +1,7 @@
 //! Cuts of one body along many evenly distributed planes.
 
-use crate::{assert_caps_cover_section, assert_closed_manifold, cut_and_check, exact_params};
-use incise_cut::{CutError, CutMethod, CutParams, Cutter, ExactParams, Sweep};
+use crate::{assert_caps_cover_section, assert_closed_manifold, cut_and_check};
+use incise_cut::{CutError, CutParams, Cutter, Sweep};
 use incise_mesh::geometry::to_f64;
 use incise_mesh::{Surface, Vec3};
 
@@ -46,10 +46,7 @@ impl Planes<'_> {
     /// If an invariant does not hold.
     pub fn cut(&self, i: usize, snap: f64) -> Result<bool, CutError> {
         let params = CutParams {
-            method: CutMethod::Exact(ExactParams {
-                snap,
-                ..ExactParams::default()
-            }),
+            snap,
             ..CutParams::default()
         };
         self.cut_with(i, &params)
@@ -74,14 +71,13 @@ impl Planes<'_> {
             outcome
         };
         let change = relative_change(self.whole, &surface);
-        let exact = exact_params(params);
-        let is_exact = exact.snap == 0.0 && exact.remesh == 0.0;
+        let is_exact = params.snap == 0.0 && params.remesh == 0.0;
         let bound = if is_exact { 1e-5 } else { 2e-3 };
         assert!(
             change <= bound,
             "the volume changed by {change} of itself, at most {bound} may"
         );
-        if exact.snap == 0.0 && self.is_embedded && !outcome.is_miss() {
+        if params.snap == 0.0 && self.is_embedded && !outcome.is_miss() {
             assert_caps_cover_section(self.whole, &surface, &sweep, params, &outcome);
         }
         Ok(!outcome.is_miss())

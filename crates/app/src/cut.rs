@@ -4,6 +4,7 @@ mod print;
 
 use crate::blade_path::BladePath;
 use crate::clock::timed;
+use crate::cut_method::MethodOptions;
 use crate::cut_options::{CutOptions, CutPlan};
 use crate::failure::Failure;
 use crate::input::{InputOptions, boundary_edges, closed_volume, file_bounds};
@@ -39,7 +40,9 @@ pub(crate) struct CutArguments {
     reading: InputOptions,
     #[command(flatten)]
     cut: CutOptions,
-    /// Move a blade through the mesh, pose by pose. The cut may end inside (exact method).
+    #[command(flatten)]
+    method: MethodOptions,
+    /// Move a blade through the mesh, pose by pose. The cut may end inside.
     ///
     /// Each line of the file is a pose, x y z of every point of the blade's edge: two for a
     /// straight blade, more for a curved one, the same number on every line. Numbers are separated
@@ -71,7 +74,7 @@ Levels (--level), ratio of a cap's edge length to that of the surface at the rim
   2x-coarser = 2, 1.5x-coarser = 1.5, original = 1, 1.5x-finer = 0.667, 2x-finer = 0.5
 
 JSON report (--json), a list of reports for several inputs, lengths in the input's unit:
-  input, method, refine_method, snap, remesh, level, grading
+  input, method, snap, remesh, level, grading
                          the input and the parameters of the cut
   warnings               repairs made while reading, attributes that are dropped
   caps                   curves of the cut that get caps: bodies, all-loops or none
@@ -100,7 +103,6 @@ struct Report {
     #[serde(serialize_with = "lossy")]
     input: PathBuf,
     method: &'static str,
-    refine_method: &'static str,
     snap: f64,
     remesh: f64,
     level: f64,
@@ -166,7 +168,7 @@ pub(crate) fn run(
     arguments: &CutArguments,
     reporter: &mut Reporter<impl Write>,
 ) -> Result<(), Failure> {
-    let options = arguments.cut.check()?;
+    let options = arguments.method.plan(&arguments.cut)?;
     let blade_path = arguments.blade_path(options)?;
     let stages = u32::try_from(2 * arguments.inputs.len() + 1);
     let progress = reporter.stages(stages.unwrap_or(u32::MAX));
@@ -262,10 +264,9 @@ impl CutArguments {
         progress.step();
         let report = Report {
             input: path.to_owned(),
-            method: options.method(),
-            refine_method: options.refinement(),
-            snap: options.exact().snap,
-            remesh: options.exact().remesh,
+            method: self.method.name(),
+            snap: params.snap,
+            remesh: params.remesh,
             level: params.refine.level.z(),
             grading: params.refine.grading,
             warnings,

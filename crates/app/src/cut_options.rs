@@ -1,18 +1,17 @@
-//! Command-line options of a cut, and the cut itself, for `cut`, `render` and `simulate`.
+//! Command-line options of a cut, and the cut itself, for `cut` and `render`.
 
 use crate::clock::timed;
-use crate::failure::Failure;
+use crate::failure::{CutFailure, Failure};
 use crate::input::in_file;
 use crate::numbers::{Numbers, numbers};
 use crate::param_options::{OptionSet, ParamOptions};
 use crate::stroke::CutSums;
 use clap::Arg;
-use incise_cut::{
-    CapMarker, CutError, CutMethod, CutParams, Cutter, ExactParams, Sweep, blade_starts_inside,
-};
+use incise_cut::{CapMarker, CutError, CutParams, Cutter, Sweep, blade_starts_inside};
 use incise_mesh::geometry::{area_vector, to_f32};
 use incise_mesh::{Aabb, Surface, Vec3};
-use incise_refine::RefineMethod;
+use incise_paper::PaperParams;
+use incise_params::Value;
 use std::path::Path;
 
 /// Options of a cut. Commands with them need a group `cutter` of `plane` and `blade`.
@@ -64,6 +63,8 @@ impl OptionSet for CutOptionSet {
 pub(crate) struct CutPlan<'a> {
     options: &'a CutOptions,
     params: CutParams,
+    /// The parameters of the paper's method, if it is chosen.
+    paper: Option<PaperParams>,
 }
 
 impl CutOptions {
@@ -81,13 +82,16 @@ impl CutOptions {
 
     /// Checks that no two options exclude each other.
     pub(crate) fn check(&self) -> Result<CutPlan<'_>, Failure> {
-        let params = self.params.params()?;
-        let names = self.params.given().iter().map(|(name, _)| name.as_str());
-        params.check_given(names)?;
         Ok(CutPlan {
             options: self,
-            params,
+            params: self.params.params()?,
+            paper: None,
         })
+    }
+
+    /// Returns the parameters that are given, by name.
+    pub(crate) fn given(&self) -> &[(String, Value)] {
+        self.params.given()
     }
 
     fn sweeps(&self, surface: &Surface, path: &Path) -> Result<Vec<Sweep>, Failure> {
@@ -109,35 +113,20 @@ impl CutOptions {
 }
 
 impl CutPlan<'_> {
-    /// Returns the name of the method.
-    pub(crate) fn method(self) -> &'static str {
-        self.params.method.name()
+    /// Returns the plan of a cut by the paper's method.
+    pub(crate) fn by_paper(self, params: PaperParams) -> Self {
+        let paper = Some(params);
+        Self { paper, ..self }
     }
 
-    /// Returns true for the exact method.
+    /// Returns true unless the paper's method is chosen.
     pub(crate) fn is_exact(self) -> bool {
-        matches!(self.params.method, CutMethod::Exact(_))
-    }
-
-    /// Returns the name of the refinement, which is the paper's with the paper's method.
-    pub(crate) fn refinement(self) -> &'static str {
-        match self.is_exact() {
-            true => self.params.refine.method.name(),
-            false => RefineMethod::Paper.name(),
-        }
+        self.paper.is_none()
     }
 
     /// Returns the parameters for the cutter.
     pub(crate) fn params(self) -> CutParams {
         self.params
-    }
-
-    /// Returns the exact method's parameters; its defaults with the paper's method.
-    pub(crate) fn exact(self) -> ExactParams {
-        match self.params.method {
-            CutMethod::Exact(exact) => exact,
-            CutMethod::Paper(_) => ExactParams::default(),
-        }
     }
 
     /// Returns the sweeps through a surface, in the order of the cuts.
@@ -170,7 +159,19 @@ impl CutPlan<'_> {
             } else {
                 marker.params()
             };
-            let outcome = cutter.cut(surface, sweep, params);
+            let outcome = match self.paper {
+                None => cutter.cut(surface, sweep, params).map_err(CutFailure::Cut),
+                Some(paper) => {
+                    let paper = PaperParams {
+                        cap_material: params.cap_material,
+                        ..paper
+                    };
+                    let outcome = incise_paper::cut(&mut cutter, surface, sweep, &paper);
+                    outcome
+                        .map(|outcome| outcome.cut)
+                        .map_err(CutFailure::Paper)
+                }
+            };
             let outcome = outcome.map_err(|source| Failure::Cut {
                 path: path.to_owned(),
                 source,

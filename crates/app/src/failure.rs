@@ -8,6 +8,7 @@ use crate::simulate::SceneFileError;
 use incise_cut::CutError;
 use incise_mesh::{Aabb, NotCuttable, ReadError, WriteError};
 use incise_models::Model;
+use incise_paper::PaperError;
 use incise_params::ParamError;
 use incise_refine::HoleError;
 use incise_scene::SceneError;
@@ -21,6 +22,17 @@ pub(crate) const WRONG_COMMAND_LINE: u8 = 2;
 const UNWRITABLE_OUTPUT: u8 = 3;
 /// The exit code of a cut that misses the mesh, or of a simulation without a cut.
 const MISSED: u8 = 4;
+
+/// The reason why a method cannot make a cut.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum CutFailure {
+    /// Of the exact method.
+    #[error(transparent)]
+    Cut(CutError),
+    /// Of the paper's method.
+    #[error(transparent)]
+    Paper(PaperError),
+}
 
 /// An error that ends a command.
 #[derive(Debug, thiserror::Error)]
@@ -127,7 +139,7 @@ pub(crate) enum Failure {
         /// The file.
         path: PathBuf,
         /// The reason.
-        source: CutError,
+        source: CutFailure,
     },
     /// The path of the blade cannot be used.
     #[error("{}: {source}", path.display())]

@@ -9,6 +9,7 @@ mod blade_path;
 mod check;
 mod clock;
 mod cut;
+mod cut_method;
 mod cut_options;
 mod devices;
 #[cfg(feature = "gpu")]

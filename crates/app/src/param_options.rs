@@ -109,11 +109,7 @@ impl<S: OptionSet> FromArgMatches for ParamOptions<S> {
 fn parse<P: Params + Clone>(name: &str, text: &str) -> Result<Value, ParamError> {
     let value = Value::parse(text);
     let mut params = P::default();
-    match params.set(name, &value) {
-        // It may have a meaning with other options.
-        Err(ParamError::NotChosen { .. }) => {}
-        set => set?,
-    }
+    params.set(name, &value)?;
     params.check_ranges()?;
     Ok(value)
 }

@@ -3,6 +3,7 @@
 mod bodies;
 
 use crate::clock::{milliseconds, timed};
+use crate::cut_method::MethodOptions;
 use crate::cut_options::CutOptions;
 use crate::failure::Failure;
 use crate::input::InputOptions;
@@ -43,6 +44,8 @@ pub(crate) struct RenderArguments {
     output: PathBuf,
     #[command(flatten)]
     cut: CutOptions,
+    #[command(flatten)]
+    method: MethodOptions,
     #[command(flatten)]
     look: LookOptions,
     /// GPU to use: a part of its name, as listed by `incise devices`. By default the first one,
@@ -191,7 +194,9 @@ pub(crate) fn run(
 impl RenderArguments {
     /// Reads, cuts, hides and moves the meshes.
     pub(crate) fn read(&self, reporter: &Reporter<impl Write>) -> Result<Bodies, Failure> {
-        let plan = self.cut.is_cut().then(|| self.cut.check()).transpose()?;
+        let plan = (self.cut.is_cut())
+            .then(|| self.method.plan(&self.cut))
+            .transpose()?;
         let mut bodies = Bodies::read(&self.inputs, self.reading, plan, reporter)?;
         bodies.hide(&self.look.without)?;
         bodies.explode(self.look.explode.unwrap_or(0.0));

@@ -87,18 +87,18 @@ impl Counts {
 /// Measures all workloads, prints and writes the rows.
 pub(crate) fn run(arguments: &CutArguments, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
     let parameters = arguments.parameters.clone();
-    let params = parameters.caps.params();
+    let (method, exact) = (parameters.caps.method(), parameters.caps.exact());
     let seed = parameters.seed;
     let mut output = Output::open("cut", &arguments.output, parameters, out)?;
     if arguments.progressive {
-        return progressive::run(arguments, &params, output);
+        return progressive::run(arguments, &exact, output);
     }
     let workloads = workloads(&arguments.models, arguments.max_triangles)?;
     let mut counts = Counts::default();
     let progress = output.progress(workloads.len(), 1);
     for workload in &workloads {
         progress.begin(&workload.name);
-        for row in planes::measure(workload, &params, arguments.planes, seed)? {
+        for row in planes::measure(workload, &method, arguments.planes, seed)? {
             counts.add(row.cuts, &row.failures);
             output.cpu_row(&workload.name, &row)?;
         }
@@ -109,9 +109,10 @@ pub(crate) fn run(arguments: &CutArguments, out: &mut dyn Write) -> Result<(), B
     let is_latency = |name: &String| name.trim().eq_ignore_ascii_case(latency::MODEL);
     let only = &arguments.models.only;
     if arguments.cuts > 0 && (only.is_empty() || only.iter().any(is_latency)) {
-        // Uniform caps.
+        // With coarser caps, no slice would hit as many triangles after a few hundred others.
         output.parameters.caps.grading = 0.0;
-        for row in latency::measure(&params, arguments.cuts, seed)? {
+        let method = output.parameters.caps.method();
+        for row in latency::measure(method, arguments.cuts, seed)? {
             counts.add(row.probes, &row.failures);
             output.cpu_row(latency::MODEL, &row)?;
         }

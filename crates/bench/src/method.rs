@@ -1,7 +1,9 @@
 //! Cut methods of the command line.
 
 use clap::{Args, ValueEnum};
-use incise_cut::{CutMethod, CutParams, PaperParams};
+use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Sweep};
+use incise_mesh::Surface;
+use incise_paper::{PaperError, PaperParams};
 use incise_refine::{RefineParams, RefinementLevel};
 use serde::{Serialize, Serializer};
 
@@ -31,13 +33,20 @@ pub(crate) struct MethodArguments {
 }
 
 impl MethodArguments {
-    /// Returns the parameters of a cut.
-    pub(crate) fn params(&self) -> CutParams {
+    /// Returns the method with its parameters.
+    pub(crate) fn method(&self) -> Method {
+        match self.method {
+            MethodChoice::Exact => Method::Exact(self.exact()),
+            MethodChoice::Paper => Method::Paper(PaperParams {
+                level: self.level,
+                ..PaperParams::default()
+            }),
+        }
+    }
+
+    /// Returns the parameters of a cut by the exact method.
+    pub(crate) fn exact(&self) -> CutParams {
         CutParams {
-            method: match self.method {
-                MethodChoice::Exact => CutMethod::default(),
-                MethodChoice::Paper => CutMethod::Paper(PaperParams::default()),
-            },
             refine: RefineParams {
                 level: self.level,
                 grading: self.grading,
@@ -45,6 +54,46 @@ impl MethodArguments {
             },
             ..CutParams::default()
         }
+    }
+}
+
+/// A cut method with its parameters.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Method {
+    Exact(CutParams),
+    Paper(PaperParams),
+}
+
+/// The reason why a method refused a cut.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Refusal {
+    #[error(transparent)]
+    Exact(#[from] CutError),
+    #[error(transparent)]
+    Paper(#[from] PaperError),
+}
+
+impl Method {
+    /// Returns the method for cuts of one piece.
+    pub(crate) fn only(mut self, piece: u32) -> Self {
+        match &mut self {
+            Self::Exact(params) => params.only_piece = Some(piece),
+            Self::Paper(params) => params.only_piece = Some(piece),
+        }
+        self
+    }
+
+    /// Cuts a surface.
+    pub(crate) fn cut(
+        &self,
+        cutter: &mut Cutter,
+        surface: &mut Surface,
+        sweep: &Sweep,
+    ) -> Result<CutOutcome, Refusal> {
+        Ok(match self {
+            Self::Exact(params) => cutter.cut(surface, sweep, params)?,
+            Self::Paper(params) => incise_paper::cut(cutter, surface, sweep, params)?.cut,
+        })
     }
 }
 

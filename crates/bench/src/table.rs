@@ -86,7 +86,7 @@ impl Parameters {
                 gravity: [0.0; 3],
                 ..SolverParams::paper()
             },
-            cut: self.caps.params(),
+            cut: self.caps.exact(),
             // The paper tests every triangle in every frame.
             skip_far_sweeps: false,
             // Checkpoints would add a readback to timed frames.

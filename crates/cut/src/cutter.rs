@@ -2,20 +2,20 @@
 
 mod advance;
 
+use crate::curves::Curves;
 use crate::error::CutError;
 use crate::exact::{Exact, has_walls};
 use crate::intersection::Intersection;
 use crate::intersection::facets::{ContinuedTip, Facets};
 use crate::intersection::trace::{Curve, Trace};
 use crate::outcome::CutOutcome;
-use crate::paper;
-use crate::params::{Caps, CutMethod, CutParams};
+use crate::params::{Caps, CutParams};
 use crate::separate::Separator;
 use crate::sweep::Sweep;
 use advance::Continuation;
 #[cfg(feature = "serde")]
 use incise_mesh::InvalidBvh;
-use incise_mesh::{Bvh, Surface, TopologyDelta, TriangleId, Undo, UndoError, VertexId};
+use incise_mesh::{Bvh, Edit, Surface, TopologyDelta, TriangleId, Undo, UndoError, VertexId};
 use incise_refine::Section;
 use std::num::NonZeroUsize;
 use web_time::Instant;
@@ -128,9 +128,16 @@ impl Cutter {
         self.defers_bvh = defers_bvh;
     }
 
-    /// Updates the BVH after a cut that deferred it, see [`Self::set_defers_bvh`].
+    /// Returns whether cuts defer the update of the BVH, see [`Self::set_defers_bvh`].
+    #[must_use]
+    pub fn defers_bvh(&self) -> bool {
+        self.defers_bvh
+    }
+
+    /// Updates the BVH after a cut that deferred it, or after an edit by anything else.
     ///
-    /// O(k log k) for k changed triangles.
+    /// `delta` must be the only edit since the last update, and no vertex may have moved. An edit
+    /// by anything else must leave closed surfaces closed. O(k log k) for k changed triangles.
     pub fn update_bvh(&mut self, surface: &Surface, delta: &TopologyDelta) {
         self.bvh.update(surface, delta);
         self.version.topology = surface.fingerprint();
@@ -138,8 +145,8 @@ impl Cutter {
 
     /// Sets the maximum number of threads of a cut; the default is one.
     ///
-    /// `None` allows the current rayon pool, and one uses no pool. At most two threads share a cut:
-    /// by the exact method, of a body of at least 16,384 triangles. Results do not depend on it.
+    /// `None` allows the current rayon pool, and one uses no pool. At most two threads share a cut,
+    /// of a body of at least 16,384 triangles. Results do not depend on it.
     pub fn set_threads(&mut self, threads: Option<NonZeroUsize>) {
         self.threads = threads;
     }
@@ -180,8 +187,8 @@ impl Cutter {
         self.version = SurfaceVersion::new(surface);
     }
 
-    /// Iterates over the cross-sections of the last cut by the exact method, one for each triangle
-    /// of the sweep that has any, with the target edge length at each of their points \[m\].
+    /// Iterates over the cross-sections of the last cut, one for each triangle of the sweep that
+    /// has any, with the target edge length at each of their points \[m\].
     ///
     /// Both caps cover them. Nothing before the first cut and in sheets.
     pub fn sections(&self) -> impl Iterator<Item = (Section<'_>, &[f64])> {
@@ -271,26 +278,10 @@ impl Cutter {
         from: Option<Continuation<'_>>,
     ) -> Result<CutOutcome, CutError> {
         params.check()?;
-        self.check_bvh(surface)?;
         let begin = Instant::now();
-        self.candidates.clear();
-        (self.bvh).query(surface, sweep.triangles(), &mut self.candidates);
-        if let Some(piece) = params.only_piece {
-            self.candidates.retain(|&t| surface.piece(t) == piece);
-        }
-        if !self.candidates.is_empty() {
-            self.check_sweep_size(sweep)?;
-        }
-        if matches!(params.method, CutMethod::Paper(_))
-            && let Some(along) =
-                from.and_then(|from| from.tip.half_edges.iter().find(|h| !h.is_null()))
-        {
-            let triangle = along.triangle();
-            return Err(CutError::IncisionByPaper { triangle });
-        }
         let none = ContinuedTip::default();
-        self.facets.read(sweep, from.map_or(&none, |from| from.tip));
-        (self.trace).find(surface, &self.facets, &mut self.candidates)?;
+        let tip = from.map_or(&none, |from| from.tip);
+        self.find_curves(surface, sweep, params.only_piece, tip)?;
         if let Some(triangle) = self.trace.open_end(surface) {
             let Some(from) = from else {
                 return Err(CutError::PartialCut { triangle });
@@ -303,9 +294,6 @@ impl Cutter {
             {
                 return Err(CutError::TipBlocked { triangle });
             }
-            if matches!(params.method, CutMethod::Paper(_)) {
-                return Err(CutError::IncisionByPaper { triangle });
-            }
         }
         let mut outcome = CutOutcome::default();
         outcome.report.candidates = self.candidates.len();
@@ -317,7 +305,8 @@ impl Cutter {
             outcome.report.detection = begin.elapsed();
             return Ok(outcome);
         }
-        let is_sheet = self.find_capped(surface, params)?;
+        let is_sheet = self.sheets(surface);
+        self.find_capped(surface, params.caps, &is_sheet);
         outcome.report.detection = begin.elapsed();
         let is_shared = self.is_shared(surface);
         let topology = self.version.topology;
@@ -330,17 +319,10 @@ impl Cutter {
             may_share_walls: self.has_walls || outcome_mut.report.slits > 0,
             is_shared,
         };
-        match params.method {
-            CutMethod::Exact(exact) => {
-                let done = (self.exact).cut(surface, at, params, &exact, separator, outcome_mut);
-                // A cut that is taken back counts as an edit.
-                self.version = SurfaceVersion::new(surface);
-                done?;
-            }
-            CutMethod::Paper(own) => {
-                paper::cut(surface, at, params, &own, separator, outcome_mut)?;
-            }
-        }
+        let done = (self.exact).cut(surface, at, params, separator, outcome_mut);
+        // A cut that is taken back counts as an edit.
+        self.version = SurfaceVersion::new(surface);
+        done?;
         if !outcome.is_miss() {
             self.has_sheets |= params.caps == Caps::None;
             self.has_walls |= outcome.report.slits > 0;
@@ -355,34 +337,75 @@ impl Cutter {
         }
         Ok(outcome)
     }
-    /// Finds the curves that bound sections with caps. Returns whether each piece is a sheet, or
-    /// nothing if none is.
+
+    /// Finds the intersection curves of a sweep and the surface, which stays as it is.
+    ///
+    /// They preview a cut of `only_piece` or of all pieces, and are the input of other methods to
+    /// cut. The sweep may end inside the body.
     ///
     /// # Errors
-    /// [`CutError::OpenSurface`] for the paper's method.
-    fn find_capped(
+    /// [`CutError`] as of [`Self::cut`], for the BVH, the sweep and coordinates.
+    pub fn intersect(
         &mut self,
         surface: &Surface,
-        params: &CutParams,
-    ) -> Result<Vec<bool>, CutError> {
-        let is_sheet = if self.has_sheets {
+        sweep: &Sweep,
+        only_piece: Option<u32>,
+    ) -> Result<Curves<'_>, CutError> {
+        self.find_curves(surface, sweep, only_piece, &ContinuedTip::default())?;
+        let is_sheet = self.sheets(surface);
+        Ok(Curves::new(&self.trace, self.candidates.len(), is_sheet))
+    }
+
+    /// Gives each part that an edit along `sweep` has separated a piece number of its own.
+    ///
+    /// `seeds` has a triangle of each part. Of the parts of a piece the largest keeps the number;
+    /// of equals, the one with the first triangle. The largest part is not traversed as a whole.
+    pub fn number_parts(&mut self, edit: &mut Edit<'_>, sweep: &Sweep, seeds: &[TriangleId]) {
+        if !seeds.is_empty() {
+            self.separator.find_parts(edit.surface(), sweep, seeds, &[]);
+            self.separator.number_parts(edit);
+        }
+    }
+
+    /// Finds the curves along `sweep`, which goes on from `tip`.
+    fn find_curves(
+        &mut self,
+        surface: &Surface,
+        sweep: &Sweep,
+        only_piece: Option<u32>,
+        tip: &ContinuedTip,
+    ) -> Result<(), CutError> {
+        self.check_bvh(surface)?;
+        self.candidates.clear();
+        (self.bvh).query(surface, sweep.triangles(), &mut self.candidates);
+        if let Some(piece) = only_piece {
+            self.candidates.retain(|&t| surface.piece(t) == piece);
+        }
+        if !self.candidates.is_empty() {
+            self.check_sweep_size(sweep)?;
+        }
+        self.facets.read(sweep, tip);
+        (self.trace).find(surface, &self.facets, &mut self.candidates)
+    }
+
+    /// Returns whether each piece is a sheet, or nothing if none is.
+    fn sheets(&self, surface: &Surface) -> Vec<bool> {
+        if self.has_sheets {
             surface.open_pieces()
         } else {
             Vec::new()
-        };
-        let is_paper = matches!(params.method, CutMethod::Paper(_));
+        }
+    }
+
+    /// Finds the curves that bound sections with caps.
+    fn find_capped(&mut self, surface: &Surface, caps: Caps, is_sheet: &[bool]) {
         self.trace.set_capped(surface, |piece, is_closed| {
             let is_body = is_sheet.get(piece as usize) != Some(&true);
-            match params.caps {
-                _ if is_paper => is_body,
+            match caps {
                 Caps::Bodies => is_body,
                 Caps::AllLoops => is_body || is_closed,
                 Caps::None => false,
             }
         });
-        match self.trace.open_loop(surface) {
-            Some(triangle) if is_paper => Err(CutError::OpenSurface { triangle }),
-            _ => Ok(is_sheet),
-        }
     }
 }

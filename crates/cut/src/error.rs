@@ -51,15 +51,6 @@ pub enum CutError {
         /// The vertex.
         vertex: VertexId,
     },
-    /// The sweep crosses a sheet, and the paper's method has closed bodies only.
-    #[error(
-        "the sweep crosses a surface with a boundary at triangle {triangle}, and the paper's \
-         method cuts closed bodies only; close its holes, or use CutMethod::Exact"
-    )]
-    OpenSurface {
-        /// A triangle of the sheet.
-        triangle: TriangleId,
-    },
     /// Vertices have moved since the BVH was fitted.
     #[error("vertices have moved since the BVH was fitted; call Cutter::refit before Cutter::cut")]
     StaleBvh,
@@ -78,15 +69,6 @@ pub enum CutError {
         /// The triangle in which it ends.
         triangle: TriangleId,
     },
-    /// The paper's method has full slices only.
-    #[error(
-        "the sweep ends inside the body at triangle {triangle}, and the paper's method cuts full \
-         slices only; use CutMethod::Exact"
-    )]
-    IncisionByPaper {
-        /// The triangle in which it ends.
-        triangle: TriangleId,
-    },
     /// The sweep meets the walls of the incision at the tip that it continues.
     #[error(
         "the blade turned into a wall of its incision at triangle {triangle}; pull it out and \
@@ -102,30 +84,11 @@ pub enum CutError {
          or the tip of the incision lies on its surface; move the blade, or cut piece by piece"
     )]
     OpenSection,
-    /// A bent sweep passes a vertex on both sides.
-    #[error("the bent sweep passes vertex {vertex} on both sides; use a flatter or smaller sweep")]
-    SideConflict {
-        /// The vertex.
-        vertex: VertexId,
-    },
-    /// A loop of the cross-section lies inside another: the paper's method has simple loops only.
-    #[error(
-        "the cross-section has a hole at triangle {triangle}, and the paper's method fills simple \
-         loops only; use CutMethod::Exact"
-    )]
-    NestedSection {
-        /// A triangle on the inner loop.
-        triangle: TriangleId,
-    },
     /// The cap cannot be meshed.
     #[error("the cap cannot be meshed: {0}")]
     Refine(#[from] RefineError),
-    /// The cut would not leave a manifold: the paper's method, or a cut across an incision whose
-    /// walls share vertices.
-    #[error(
-        "the cut surface would not be a manifold at vertex {vertex}; move the blade a little, or \
-         use CutMethod::Exact if the method is the paper's"
-    )]
+    /// The cut would not leave a manifold: it crosses an incision whose walls share vertices.
+    #[error("the cut surface would not be a manifold at vertex {vertex}; move the blade a little")]
     NotManifold {
         /// A vertex at which it fails.
         vertex: VertexId,

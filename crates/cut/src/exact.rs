@@ -1,4 +1,4 @@
-//! The exact method: splits hit triangles along the sweep, so that no surface is lost.
+//! Splits hit triangles along the sweep, so that no surface is lost, and closes both sides.
 //!
 //! 1. [`crate::intersection`] finds the curves along which the sweep crosses the surface.
 //! 2. [`split`] and [`open`] split the hit triangles; every curve becomes a rim on two sides.
@@ -34,7 +34,7 @@ use crate::blade_position::is_in_body;
 use crate::error::CutError;
 use crate::intersection::Intersection;
 use crate::outcome::CutOutcome;
-use crate::params::{CutParams, ExactParams};
+use crate::params::CutParams;
 use crate::separate::Separator;
 use crate::sweep::Sweep;
 use cap::Cap;
@@ -120,13 +120,12 @@ impl Exact {
         surface: &mut Surface,
         at: Intersection<'_>,
         params: &CutParams,
-        exact: &ExactParams,
         separator: &mut Separator,
         outcome: &mut CutOutcome,
     ) -> Result<(), CutError> {
         let pieces = surface.piece_bound();
-        let is_done = self.split(surface, at, params, exact, true, separator, outcome)?
-            || self.split(surface, at, params, exact, false, separator, outcome)?;
+        let is_done = self.split(surface, at, params, true, separator, outcome)?
+            || self.split(surface, at, params, false, separator, outcome)?;
         debug_assert!(is_done, "without merged nodes the loops are what they were");
         if surface.piece_bound() != pieces {
             // A part of a body that intersects itself can be inside out, like a cavity.
@@ -139,16 +138,11 @@ impl Exact {
     ///
     /// Returns false if merging made loops touch or cross others, or no longer do so. Their caps
     /// would join separate pieces. The surface is then bit for bit unchanged.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "its only caller passes its own arguments on"
-    )]
     fn split(
         &mut self,
         surface: &mut Surface,
         at: Intersection<'_>,
         params: &CutParams,
-        exact: &ExactParams,
         may_merge: bool,
         separator: &mut Separator,
         outcome: &mut CutOutcome,
@@ -177,13 +171,13 @@ impl Exact {
         let max_volume = snap::MAX_TOTAL_VOLUME * area * trace.mean_local().min(width);
         let snapped = self
             .snapper
-            .snap(&mut opened, facets, exact.snap, max_volume);
+            .snap(&mut opened, facets, params.snap, max_volume);
         report.snapped_vertices = snapped.vertices;
         report.merged_points = snapped.nodes;
         report.moved_volume = snapped.volume;
         report.split = begin.elapsed();
         let begin = Instant::now();
-        let may_join = may_merge && exact.remesh > 0.0 && trace.curves.len() > 1;
+        let may_join = may_merge && params.remesh > 0.0 && trace.curves.len() > 1;
         let groups = if may_join {
             // Groups depend on the curves alone, so meshes without new points are enough.
             self.mesh_sections(&mut edit, at, &params.refine, false, None)?;
@@ -197,13 +191,13 @@ impl Exact {
             sides: &mut self.sides,
             rim: &mut self.rim,
         };
-        let remeshed = (self.remesher).remesh(&mut opened, exact.remesh, width, may_merge);
+        let remeshed = (self.remesher).remesh(&mut opened, params.remesh, width, may_merge);
         report.flipped_edges = remeshed.flips;
         report.collapsed_vertices = remeshed.vertices;
         report.moved_volume += remeshed.volume;
         report.collapsed_points = remeshed.nodes;
         report.moved_surface = remeshed.distance;
-        report.short_rim_edges = Snapper::short_edges(&opened, exact.snap);
+        report.short_rim_edges = Snapper::short_edges(&opened, params.snap);
         report.remeshing = begin.elapsed();
         let begin = Instant::now();
         let mut search = is_shared.then(|| Search {

@@ -1,4 +1,4 @@
-//! Intersection of a sweep with a surface: the first step of both methods.
+//! Intersection of a sweep with a surface: the first step of a cut.
 //!
 //! [`facets`] decides every tie, [`order`] the order along an edge. [`trace`] follows the
 //! intersection curves from triangle to triangle, and [`node`] holds a point of a curve.

@@ -2,14 +2,13 @@
 
 mod blade_position;
 mod cap_marker;
+mod curves;
 mod cutter;
 mod error;
 mod exact;
 mod incision;
-mod interpolate;
 mod intersection;
 mod outcome;
-mod paper;
 mod params;
 mod separate;
 mod stroke;
@@ -17,10 +16,11 @@ mod sweep;
 
 pub use blade_position::blade_starts_inside;
 pub use cap_marker::CapMarker;
+pub use curves::{Curve, CurvePoint, Curves, EdgeCrossing};
 pub use cutter::Cutter;
 pub use error::CutError;
 pub use incision::Incision;
 pub use outcome::{CutOutcome, CutReport};
-pub use params::{Caps, CutMethod, CutParams, ExactParams, PaperParams};
+pub use params::{Caps, CutParams};
 pub use stroke::{Stroke, StrokeError};
 pub use sweep::Sweep;

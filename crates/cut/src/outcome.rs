@@ -29,8 +29,6 @@ impl CutOutcome {
 
 incise_params::report! {
     /// Counts and times of a cut.
-    ///
-    /// Counts of one method are 0 for the other.
     #[derive(Debug, Clone, Copy, PartialEq, Default)]
     #[non_exhaustive]
     pub struct CutReport {
@@ -43,26 +41,23 @@ incise_params::report! {
         loops: usize;
         /// Curves with an end where the sweep ends inside the body or the sheet: slits.
         slits: usize;
-        /// Vertices that snapping moved into the rim (exact method).
+        /// Vertices that snapping moved into the rim.
         snapped_vertices: usize;
-        /// Intersection points that snapping merged into others (exact method).
+        /// Intersection points that snapping merged into others.
         merged_points: usize;
-        /// Edges around the rim that remeshing flipped (exact method).
+        /// Edges around the rim that remeshing flipped.
         flipped_edges: usize;
-        /// Vertices beside the rim that remeshing collapsed onto others (exact method).
+        /// Vertices beside the rim that remeshing collapsed onto others.
         collapsed_vertices: usize;
-        /// Intersection points that remeshing merged into others (exact method).
+        /// Intersection points that remeshing merged into others.
         collapsed_points: usize;
-        /// Upper bound of the displacement of the surface by remeshing (exact method).
+        /// Upper bound of the displacement of the surface by remeshing.
         moved_surface: f64, unit: "m";
-        /// Volume moved by snapping and remeshing, without sign (exact method).
+        /// Volume moved by snapping and remeshing, without sign.
         moved_volume: f64, unit: "m^3";
-        /// Rim edges left shorter than [`crate::ExactParams::snap`], where a merge would change
-        /// the topology or move too much volume (exact method).
+        /// Rim edges left shorter than [`crate::CutParams::snap`], where a merge would change
+        /// the topology or move too much volume.
         short_rim_edges: usize;
-        /// Sides of loops on which the paper's boundary would not be a manifold, so that hit
-        /// triangles were cut along the sweep instead (paper's method).
-        fallback_sides: usize;
         /// Whether every cap reached its target edge length.
         refined: bool;
     }
@@ -107,7 +102,6 @@ impl AddAssign for CutReport {
         self.moved_surface = self.moved_surface.max(other.moved_surface);
         self.moved_volume += other.moved_volume;
         self.short_rim_edges += other.short_rim_edges;
-        self.fallback_sides += other.fallback_sides;
         self.detection += other.detection;
         self.split += other.split;
         self.remeshing += other.remeshing;

@@ -8,26 +8,6 @@
 #include <stdint.h>
 
 /*
- Splits the hit triangles along the sweep.
- */
-#define INCISE_METHOD_EXACT 0
-
-/*
- Rebuilds the boundary by the paper's listings. Closed bodies and full slices only.
- */
-#define INCISE_METHOD_PAPER 1
-
-/*
- Caps by constrained Delaunay triangulation.
- */
-#define INCISE_REFINE_DELAUNAY 0
-
-/*
- Caps by the paper's listings.
- */
-#define INCISE_REFINE_PAPER 1
-
-/*
  Closes cut bodies; a piece with a boundary is a sheet and stays open.
  */
 #define INCISE_CAPS_BODIES 0
@@ -364,14 +344,6 @@ typedef struct {
  */
 typedef struct {
   /*
-   `INCISE_METHOD_EXACT` or `INCISE_METHOD_PAPER`.
-   */
-  uint32_t method;
-  /*
-   `INCISE_REFINE_DELAUNAY` or `INCISE_REFINE_PAPER`.
-   */
-  uint32_t refine_method;
-  /*
    `INCISE_CAPS_BODIES`, `INCISE_CAPS_ALL_LOOPS` or `INCISE_CAPS_NONE`.
    */
   uint32_t caps;
@@ -380,7 +352,7 @@ typedef struct {
    */
   uint32_t cap_material;
   /*
-   Exact method: texture coordinates of caps per meter, at least 0.
+   Texture coordinates of caps per meter, at least 0.
    */
   double cap_uv_scale;
   /*
@@ -394,12 +366,11 @@ typedef struct {
    */
   double grading;
   /*
-   Exact method: minimum length of rim edges in local edge lengths, at least 0, below 0.5.
+   Minimum length of rim edges in local edge lengths, at least 0, below 0.5.
    */
   double snap;
   /*
-   Exact method: maximum displacement by remeshing in local edge lengths, at least 0, below
-   0.5.
+   Maximum displacement by remeshing in local edge lengths, at least 0, below 0.5.
    */
   double remesh;
 } incise_cut_params;

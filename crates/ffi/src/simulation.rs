@@ -73,7 +73,6 @@ impl SceneObject {
     pub(crate) fn set(&mut self, name: &str, value: &Value) -> Result<(), Error> {
         let mut params = self.scene.params;
         params.set(name, value)?;
-        params.check_given([name])?;
         params.check()?;
         self.scene.params = params;
         Ok(())

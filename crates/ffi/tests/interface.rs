@@ -144,7 +144,7 @@ fn parameters_are_set_and_read_by_name() {
         assert!(statistic(c"seconds.total").is_ok_and(|seconds| seconds > 0.0));
         assert_eq!(statistic(c"cats").err(), Some(Status::InvalidArgument));
         assert_eq!(text(c"scheme"), "auto");
-        assert_eq!(text(c"cut.method"), "exact");
+        assert_eq!(text(c"cut.caps"), "bodies");
         let ball = get(|out| mesh::incise_mesh_model(c"Sphere80".as_ptr(), out)).expect("a model");
         let body =
             get(|out| bodies::incise_scene_add_body(scene, ball, None, out)).expect("a body");

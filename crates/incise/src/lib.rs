@@ -2,6 +2,8 @@
 
 pub use incise_cut as cut;
 pub use incise_mesh as mesh;
+#[cfg(feature = "paper")]
+pub use incise_paper as paper;
 pub use incise_params as params;
 pub use incise_pbd_gpu as pbd;
 pub use incise_refine as refine;

@@ -18,6 +18,7 @@ pub use edges::EdgeError;
 pub use undo::{Undo, UndoError};
 
 use crate::delta::VertexOrigin;
+use crate::geometry::{Vec3, round_to_f32, to_f32};
 use crate::history::Step;
 use crate::ids::{HalfEdge, TriangleId, VertexId, index_u32};
 use crate::surface::Surface;
@@ -119,6 +120,17 @@ impl Edit<'_> {
         surface.history.floats(&rest);
         self.interpolate_rows(v, &origin);
         v
+    }
+
+    /// Adds a vertex at `position` \[m\] with the rest position and inverse mass of its origin.
+    ///
+    /// See [`Self::add_vertex`].
+    pub fn add_interpolated_vertex(&mut self, position: Vec3, origin: VertexOrigin) -> VertexId {
+        let surface = self.surface();
+        let rest = origin.interpolate(|v| surface.rest_positions()[v.index()]);
+        let [w] = origin.interpolate(|v| [surface.positions()[v.index()][3]]);
+        let [x, y, z] = to_f32(position);
+        self.add_vertex([x, y, z, round_to_f32(w)], to_f32(rest.into()), origin)
     }
 
     /// Adds a triangle without neighbors, with zero corner attributes.

@@ -49,6 +49,6 @@ pub use save::{
 pub use shapes::{cube_sphere, icosphere, sheet, torus};
 pub use surface::{
     AttributeLengthError, Blend, Channel, ChannelError, CornerAttributes, CornerValues, Domain,
-    InvalidSurface, MAX_WIDTH, Surface,
+    InvalidSurface, MAX_WIDTH, Surface, TriangleCorners,
 };
 pub use topology::{InvalidTopology, Topology, TopologyError};

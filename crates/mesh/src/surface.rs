@@ -17,7 +17,7 @@ mod validate;
 pub use attributes::{AttributeLengthError, CornerAttributes};
 pub(crate) use channels::Row;
 pub use channels::{Blend, Channel, ChannelError, Domain, MAX_WIDTH};
-pub use corner_values::CornerValues;
+pub use corner_values::{CornerValues, TriangleCorners};
 pub use validate::InvalidSurface;
 
 /// A triangle surface as a structure of arrays.

@@ -91,13 +91,6 @@ pub enum ParamError {
         /// The values that are possible.
         expected: String,
     },
-    /// The parameter belongs to an alternative that is not chosen.
-    NotChosen {
-        /// The name.
-        name: String,
-        /// The alternative that is chosen.
-        chosen: &'static str,
-    },
     /// The value is out of range.
     OutOfRange(OutOfRange),
 }
@@ -130,8 +123,7 @@ impl ParamError {
             Self::Unknown { name, .. }
             | Self::Ambiguous { name, .. }
             | Self::WrongType { name, .. }
-            | Self::WrongValue { name, .. }
-            | Self::NotChosen { name, .. } => name.clone(),
+            | Self::WrongValue { name, .. } => name.clone(),
             Self::OutOfRange(error) => error.name(),
         }
     }
@@ -156,8 +148,7 @@ impl ParamError {
             Self::Unknown { name, .. }
             | Self::Ambiguous { name, .. }
             | Self::WrongType { name, .. }
-            | Self::WrongValue { name, .. }
-            | Self::NotChosen { name, .. } => new.clone_into(name),
+            | Self::WrongValue { name, .. } => new.clone_into(name),
             Self::OutOfRange(_) => {}
         }
         self
@@ -186,9 +177,6 @@ impl fmt::Display for ParamError {
                 value,
                 expected,
             } => write!(f, "{name} is '{value}'; it must be {expected}"),
-            Self::NotChosen { name, chosen } => {
-                write!(f, "{name} has no meaning with '{chosen}'; leave it out")
-            }
             Self::OutOfRange(error) => error.fmt(f),
         }
     }

@@ -151,7 +151,7 @@ impl fmt::Display for Kind {
                 for (i, variant) in variants.iter().enumerate() {
                     f.write_str(if i > 0 { ", " } else { "one of " })?;
                     match variant.kind {
-                        Self::Unit | Self::Struct(_) => f.write_str(variant.name)?,
+                        Self::Unit => f.write_str(variant.name)?,
                         ref kind => write!(f, "{{ {} = {kind} }}", variant.name)?,
                     }
                 }

@@ -17,16 +17,8 @@ fn append(out: &mut Vec<(String, &'static Field)>, prefix: &str, fields: &'stati
             prefix => format!("{prefix}.{}", field.name),
         };
         out.push((name.clone(), field));
-        match field.kind.inner() {
-            Kind::Struct(fields) => append(out, &name, fields),
-            Kind::Variants(variants) => {
-                for variant in variants.iter() {
-                    if let Kind::Struct(fields) = variant.kind {
-                        append(out, &format!("{name}.{}", variant.name), fields);
-                    }
-                }
-            }
-            _ => {}
+        if let Kind::Struct(fields) = field.kind.inner() {
+            append(out, &name, fields);
         }
     }
 }

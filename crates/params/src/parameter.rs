@@ -70,23 +70,11 @@ pub trait Params: Parameter + Default {
 
     /// Returns a parameter by its dotted name, or a short one.
     ///
-    /// An alternative with parameters of its own is its name.
-    ///
     /// # Errors
     /// [`ParamError`].
     fn get(&self, name: &str) -> Result<Value, ParamError> {
         let path = names::resolve(Self::FIELDS, name)?;
-        let value = self.value().at(&path).unwrap_or(Value::None);
-        let all = names::all_fields(Self::FIELDS);
-        let field = all.iter().find(|(own, _)| *own == path);
-        let is_variants = field.is_some_and(|(_, f)| matches!(f.kind, Kind::Variants(_)));
-        Ok(match value {
-            Value::Map(mut entries) if is_variants => match entries.pop() {
-                Some((name, Value::Map(_))) => Value::Text(name),
-                entry => Value::Map(entry.into_iter().collect()),
-            },
-            value => value,
-        })
+        Ok(self.value().at(&path).unwrap_or(Value::None))
     }
 }
 
@@ -114,7 +102,7 @@ pub fn set_part<T: Parameter>(
 
 /// Sets the parameters of a struct that a map names.
 ///
-/// Alternatives are chosen before their parameters are set.
+/// A struct is set before its parameters.
 ///
 /// # Errors
 /// [`ParamError`], with the name of the map.

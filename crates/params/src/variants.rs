@@ -1,9 +1,9 @@
-//! [`variants!`](crate::variants): an enum whose variants are names, or have a value of their own.
+//! [`variants!`](crate::variants): an enum whose variants are names, or have a number.
 
-/// Declares an enum of alternatives, names and variants with a number or a struct of parameters.
+/// Declares an enum of alternatives: names, and variants with a number.
 ///
-/// In files and other languages a variant with a value is a map with one entry. The name alone
-/// chooses a variant without a number, and a number alone the only variant that has one.
+/// In files and other languages a variant with a number is a map with one entry. The name alone
+/// chooses a variant without one, and a number alone the only variant that has one.
 ///
 /// ```
 /// use incise_params::{Parameter, Range, Value};
@@ -139,11 +139,7 @@ macro_rules! variants {
                     $($text => {
                         let mut own = match *self {
                             Self::$variant(own) => own,
-                            _ if rest.is_empty() => $crate::Parameter::initial(),
-                            _ => return Err($crate::ParamError::NotChosen {
-                                name: path.to_owned(),
-                                chosen: self.name(),
-                            }),
+                            _ => $crate::Parameter::initial(),
                         };
                         $crate::macros::set_variant(&mut own, rest, value)
                             .map_err(|error| error.within(&$text))?;

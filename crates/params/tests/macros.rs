@@ -45,37 +45,6 @@ incise_params::variants! {
 }
 
 incise_params::params! {
-    /// Exact.
-    #[derive(Debug, Clone, Copy, PartialEq)]
-    pub struct Exact {
-        /// Snapping.
-        snap: f64 = 0.1, range: Range::NOT_NEGATIVE.below(0.5), unit: "edge lengths";
-    }
-}
-
-incise_params::params! {
-    /// Paper.
-    #[derive(Debug, Clone, Copy, PartialEq)]
-    pub struct Paper {
-        /// Distance.
-        beta: f64 = 0.15;
-    }
-}
-
-incise_params::variants! {
-    /// Method.
-    #[derive(Debug, Clone, Copy, PartialEq)]
-    pub enum Method = Self::Exact(Exact::default());
-    names {}
-    values {
-        /// Exact.
-        Exact(Exact) = "exact";
-        /// Paper.
-        Paper(Paper) = "paper";
-    }
-}
-
-incise_params::params! {
     /// Contacts.
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct Contacts {
@@ -104,8 +73,6 @@ incise_params::params! {
         stretch: Stiffness = Stiffness::Pbd(1.0);
         /// Bending.
         bending: Option<Stiffness> = None;
-        /// Method.
-        method: Method = Method::Exact(Exact::default());
         /// Level.
         level: Level = Level::Original;
         /// Contacts.
@@ -142,16 +109,11 @@ fn names_may_be_short_and_have_other_dots() {
         ("contacts-thickness", "contacts.thickness"),
         ("contacts_self_collision", "contacts.self_collision"),
         ("contacts.enabled", "contacts.enabled"),
-        ("snap", "method.exact.snap"),
         ("bending.compliance", "bending.compliance"),
     ] {
         assert_eq!(resolve(Scene::FIELDS, name), Ok(path.to_owned()));
     }
-    for (path, short) in [
-        ("contacts.thickness", "contacts.thickness"),
-        ("method.exact.snap", "snap"),
-        ("dt", "dt"),
-    ] {
+    for (path, short) in [("contacts.thickness", "contacts.thickness"), ("dt", "dt")] {
         assert_eq!(short_name(Scene::FIELDS, path), short);
     }
     let error = resolve(Scene::FIELDS, "compliance")
@@ -180,7 +142,6 @@ fn values_are_set_by_name() {
         ("integrator", Value::from("bdf2")),
         ("stretch", map(&[("compliance", number(1e-4))])),
         ("bending.stiffness", number(0.25)),
-        ("snap", number(0.2)),
         ("level", number(0.7)),
         ("thickness", number(0.3)),
     ]);
@@ -192,7 +153,6 @@ fn values_are_set_by_name() {
         integrator: Integrator::Bdf2,
         stretch: Stiffness::Compliance(1e-4),
         bending: Some(Stiffness::Pbd(0.25)),
-        method: Method::Exact(Exact { snap: 0.2 }),
         level: Level::Z(0.7),
         contacts: Some(Contacts {
             thickness: 0.3,
@@ -230,18 +190,6 @@ fn optional_structs_are_switched() {
         Ok(Value::Number(0.1)),
         "the shortest decimal of 32 bits"
     );
-}
-
-#[test]
-fn alternatives_are_chosen_before_their_parameters() {
-    let paper = ("method", Value::from("paper"));
-    let scene = set(&[("beta", Value::Number(0.5)), paper.clone()]).unwrap();
-    assert_eq!(scene.method, Method::Paper(Paper { beta: 0.5 }));
-    assert_eq!(scene.get("method"), Ok(Value::from("paper")));
-    assert_eq!(scene.get("beta"), Ok(Value::Number(0.5)));
-    assert_eq!(scene.get("snap"), Ok(Value::None));
-    let error = set(&[("snap", Value::Number(0.2)), paper]).unwrap_err();
-    assert_eq!(error, "snap has no meaning with 'paper'; leave it out");
 }
 
 #[test]
@@ -334,7 +282,10 @@ fn fields_describe_the_parameters() {
         .into_iter()
         .map(|(n, _)| n)
         .collect();
-    assert!(names.contains(&"method.exact.snap".to_owned()), "{names:?}");
+    assert!(
+        names.contains(&"contacts.thickness".to_owned()),
+        "{names:?}"
+    );
 }
 
 #[cfg(feature = "serde")]

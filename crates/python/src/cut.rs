@@ -6,7 +6,7 @@ use crate::mesh::Mesh;
 use crate::mesh_arrays::MeshArrays;
 use crate::origins::{NEW_FACE, Origins};
 use crate::{report, view};
-use incise::cut::{CutMethod, CutParams, Cutter, Sweep};
+use incise::cut::{CutParams, Cutter, Sweep};
 use incise::mesh::geometry::round_to_f32;
 use incise::mesh::{Surface, TriangleId, VertexId};
 use numpy::{Element, PyArray};
@@ -227,8 +227,7 @@ struct Finished {
 impl Cut {
     fn new(mesh: &Mesh, params: &CutParams) -> PyResult<Self> {
         let mut surface = mesh.surface().or_raise()?.clone();
-        let remeshes = matches!(params.method, CutMethod::Exact(exact) if exact.remesh > 0.0);
-        let origins = Origins::new(&mut surface, remeshes);
+        let origins = Origins::new(&mut surface, params.remesh > 0.0);
         Ok(Self {
             surface,
             origins,

@@ -10,22 +10,17 @@ use pyo3::types::{PyDict, PyString};
 /// Sets the parameters that keyword arguments name.
 ///
 /// `None` is the default of a parameter that is not optional.
-pub(crate) fn set<P: Params>(
-    params: &mut P,
-    keywords: Option<&Bound<'_, PyDict>>,
-) -> PyResult<Vec<String>> {
-    let (mut names, mut entries) = (Vec::new(), Vec::new());
+pub(crate) fn set<P: Params>(params: &mut P, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+    let mut entries = Vec::new();
     for (key, value) in keywords.into_iter().flatten() {
         let name: String = key.extract()?;
         let value = match self::value(&value)? {
             Value::None => default_of::<P>(&name).unwrap_or(Value::None),
             value => value,
         };
-        names.push(name.clone());
         entries.push((name, value));
     }
-    params.set_value(&Value::Map(entries)).or_raise()?;
-    Ok(names)
+    params.set_value(&Value::Map(entries)).or_raise()
 }
 
 /// Returns the default of a parameter that is not optional.
@@ -41,10 +36,7 @@ fn default_of<P: Params>(name: &str) -> Option<Value> {
 /// Reads the parameters of a cut.
 pub(crate) fn cut_params(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<CutParams> {
     let mut params = CutParams::default();
-    let names = set(&mut params, keywords)?;
-    params
-        .check_given(names.iter().map(String::as_str))
-        .or_raise()?;
+    set(&mut params, keywords)?;
     params.check().or_raise()?;
     Ok(params)
 }

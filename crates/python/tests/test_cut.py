@@ -111,19 +111,16 @@ def parts(result: incise.CutResult) -> tuple[list[incise.Mesh], list[Any]]:
     return result.pieces, result.cap_masks
 
 
-def test_the_paper_method_and_remeshing_have_origins(bunny: incise.Mesh) -> None:
-    for result in (
-        bunny.cut([0.1, 1, 0.2], 0.02, method="paper"),
-        bunny.cut([0.1, 1, 0.2], 0.02, remesh=0.1),
-    ):
-        assert len(result.pieces) == 2
-        for piece, mask, faces in zip(result.pieces, result.cap_masks, result.face_origins):
-            assert 0 < mask.sum() < len(mask)
-            kept = faces >= 0
-            assert np.all(faces[mask] == -1) and kept.any()
-            old = bunny.vertices[bunny.faces[faces[kept]]]
-            same = (piece.vertices[piece.faces[kept]] == old).all(axis=(1, 2))
-            assert same.mean() > 0.9, "kept faces are those of the input"
+def test_remeshing_has_origins(bunny: incise.Mesh) -> None:
+    result = bunny.cut([0.1, 1, 0.2], 0.02, remesh=0.1)
+    assert len(result.pieces) == 2
+    for piece, mask, faces in zip(result.pieces, result.cap_masks, result.face_origins):
+        assert 0 < mask.sum() < len(mask)
+        kept = faces >= 0
+        assert np.all(faces[mask] == -1) and kept.any()
+        old = bunny.vertices[bunny.faces[faces[kept]]]
+        same = (piece.vertices[piece.faces[kept]] == old).all(axis=(1, 2))
+        assert same.mean() > 0.9, "kept faces are those of the input"
 
 
 def test_sheets_are_cut_without_caps(bowl: incise.Mesh) -> None:
@@ -169,8 +166,6 @@ def test_paths_that_cannot_be_cut_are_refused(sphere: incise.Mesh) -> None:
         sphere.cut_path(inside)
     with pytest.raises(incise.CutError, match="no motion"):
         sphere.cut_path(blade(-1, -1, -1))
-    with pytest.raises(incise.CutError, match="pose 1: .*full slices only"):
-        sphere.cut_path(blade(-1, 0.01), method="paper")
     with pytest.raises(incise.Error, match=r"path has shape \(1, 2, 3\)"):
         sphere.cut_path(blade(0.0))
     assert sphere.cut_path(blade(-3, -2)).is_miss

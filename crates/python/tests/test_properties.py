@@ -128,7 +128,6 @@ def test_bad_attributes_are_named(keys: Any, text: str) -> None:
         ({"level": "finest"}, incise.Error, "level is 'finest'; it must be one of 2x-coarser"),
         ({"level": -1.0}, incise.Error, "level.z is -1; it must be a finite number above 0"),
         ({"level": True}, TypeError, "level"),
-        ({"method": "fast"}, incise.Error, "exact, paper"),
         ({"snap": 0.7}, incise.CutError, "snap is 0.7"),
         ({"snap": "much"}, TypeError, "snap is 'much'; it must be a number"),
         ({"grading": -1.0}, incise.Error, "grading is -1"),
@@ -136,8 +135,7 @@ def test_bad_attributes_are_named(keys: Any, text: str) -> None:
         ({"max_triangles": 3}, incise.CutError, "more than 3 triangles"),
         ({"max_triangles": -3}, incise.Error, "max_triangles is -3"),
         ({"max_triangles": 1.5}, TypeError, "it must be a whole number"),
-        ({"sharp": True}, TypeError, "no parameter 'sharp'; the names are method"),
-        ({"method": "paper", "snap": 0.1}, incise.Error, "snap has no meaning"),
+        ({"sharp": True}, TypeError, "no parameter 'sharp'; the names are snap"),
     ],
 )
 def test_bad_options_are_named(options: Any, kind: type[Exception], text: str) -> None:

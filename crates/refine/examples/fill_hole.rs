@@ -1,43 +1,38 @@
-//! Fills a wavy rim with the paper's method at five levels and prints size and quality.
+//! Fills a hole of a sphere at five refinement levels and prints size and quality of the patch.
 //!
 //! `cargo run -p incise-refine --example fill_hole`
 
 #![expect(clippy::print_stdout, reason = "an example shows what it computes")]
 
-use incise_mesh::geometry::{area_vector, corner_angles};
-use incise_refine::paper::fill;
-use incise_refine::{RefineParams, RefinementLevel};
-use nalgebra::Vector3;
-use std::f64::consts::TAU;
+use incise_mesh::icosphere;
+use incise_refine::{HoleParams, RefinementLevel, fill_holes};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let angles = (0..60).map(|i| f64::from(i) * TAU / 60.0);
-    let wave = |a: f64| Vector3::new(a.cos(), a.sin(), 0.1 * (2.0 * a).sin());
-    let rim: Vec<_> = angles.map(wave).collect(); // counterclockwise seen from above
-    let patch = fill(&rim, Vector3::z(), &RefineParams::default(), |_, _| false)?;
-    assert_eq!(patch.points[..60], rim[..], "the rim is unchanged");
+    let mut sphere = icosphere(4, 0.5);
+    let triangles: Vec<_> = sphere.topology().triangles().collect();
+    let mut edit = sphere.edit();
+    for t in triangles {
+        if (edit.surface().triangle_positions(t).iter()).all(|p| p.y > 0.3) {
+            edit.remove_triangle(t);
+        }
+    }
+    let _ = edit.finish();
+    assert!(!sphere.topology().is_closed(), "the sphere has a hole");
 
     for level in RefinementLevel::FIVE {
-        let params = RefineParams {
+        let params = HoleParams {
             level,
-            ..RefineParams::default()
+            ..HoleParams::default()
         };
-        let patch = fill(&rim, Vector3::z(), &params, |_, _| false)?;
-        let corners = |t: &[u32; 3]| t.map(|v| patch.points[v as usize]);
-        let triangles = patch.triangles.iter().map(corners);
-        let (mut area, mut smallest) = (0.0, f64::INFINITY);
-        for t in triangles {
-            area += area_vector(t).norm() / 2.0;
-            smallest = corner_angles(t).into_iter().fold(smallest, f64::min);
-        }
+        let mut filled = sphere.clone();
+        let report = fill_holes(&mut filled, &params)?;
+        assert!(filled.topology().is_closed(), "the hole is filled");
+        let hole = &report.holes[0];
         println!(
-            "{:>12}: {:4} triangles, {:3} new vertices, {} rounds, area {area:.3} m^2, \
-             minimum angle {:.0} degrees",
+            "{:>12}: {:4} triangles, minimum angle {:.0} degrees",
             level.to_string(),
-            patch.triangles.len(),
-            patch.parents.len(),
-            patch.report.rounds,
-            smallest.to_degrees()
+            hole.triangles.len(),
+            hole.angles.min
         );
     }
     Ok(())

@@ -10,12 +10,6 @@ pub enum RefineError {
     /// A parameter is out of range.
     #[error(transparent)]
     Parameter(#[from] OutOfRange),
-    /// The rim is not a polygon.
-    #[error("the rim has {vertices} vertices; it needs at least 3")]
-    RimTooShort {
-        /// Number of vertices.
-        vertices: usize,
-    },
     /// A coordinate is NaN or infinite.
     #[error("the position of point {vertex} is not finite; correct it")]
     NonFinite {

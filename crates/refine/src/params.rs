@@ -1,4 +1,4 @@
-//! Refinement parameters: the paper's five levels, the method and the limits of a patch.
+//! Refinement parameters: the paper's five levels, the grading and the limits of a patch.
 
 use crate::error::RefineError;
 use incise_params::{Params, Range};
@@ -82,47 +82,21 @@ impl FromStr for RefinementLevel {
     }
 }
 
-incise_params::choices! {
-    /// The algorithm that triangulates and refines a section.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-    #[non_exhaustive]
-    pub enum RefineMethod {
-        /// A core of equilateral triangles with a Delaunay band around it.
-        ///
-        /// Where target lengths differ too much for one core, frontal Delaunay refinement.
-        Delaunay = "delaunay",
-        /// The paper's method: ear clipping (Algorithm A2), then subdivision and edge swaps.
-        ///
-        /// Algorithms 4 and A3 run until mean edges reach the mean of the targets along the rim.
-        /// The paper has no nested loops; they start from a constrained Delaunay triangulation.
-        Paper = "paper",
-    }
-}
-
 incise_params::params! {
     /// Parameters for the refinement of a patch.
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct RefineParams {
-        /// The algorithm for caps of the exact cutting method. [`crate::paper::fill`] ignores it.
-        method: RefineMethod = RefineMethod::Delaunay;
         /// Edge length relative to the rim's edges.
         level: RefinementLevel = RefinementLevel::Original;
-        /// The t of Formula 2 for the whole patch.
+        /// Edge length of the surface at the rim: the t of the paper's Formula 2.
         ///
-        /// `None`: the exact method uses the mean edge of the surface at every rim vertex, the
-        /// paper's method the mean edge of the rim.
+        /// `None`: the mean edge of the surface at every rim vertex.
         rim_length: Option<f64> = None, range: Range::POSITIVE, unit: "m";
         /// Growth of the target length with the distance from the rim.
         ///
-        /// Only for the exact method with [`RefineMethod::Delaunay`]. 0: the target at the rim
-        /// holds everywhere. Above 0, the number of triangles grows with the rim, not with the
-        /// area. About the default see `docs/log/2026-11.md`.
+        /// 0: the target at the rim holds everywhere. Above 0, the number of triangles grows with
+        /// the rim, not with the area. About the default see `docs/log/2026-11.md`.
         grading: f64 = 0.3, range: Range::NOT_NEGATIVE, unit: "m/m";
-        /// Maximum rounds of subdivision and edge swaps: n of Algorithm 4.
-        ///
-        /// A round divides edge lengths by about the root of 3. Refinement ends earlier when no
-        /// triangle is too large.
-        max_rounds: u32 = 24;
         /// Maximum number of triangles of a patch; a patch that needs more is an error.
         max_triangles: usize = 4_000_000;
     }

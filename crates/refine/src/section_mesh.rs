@@ -8,28 +8,25 @@
 //!    [`repair_loops`] separates loops that touch or cross; [`ear_clipping`] fills the rest.
 //! 3. [`interior`]: Steiner points. A core of equilateral triangles ([`lattice`]), the
 //!    [`boundary_band`] around it, then Delaunay [`refinement`] with smoothing.
-//!    [`RefineMethod::Paper`] takes [`crate::paper::section`] instead.
 //! 4. [`duplicate_edges`]: removes edges that the surrounding surface already has.
 
 mod barycentric;
-pub(crate) mod boundary_band;
-pub(crate) mod cdt;
-pub(crate) mod duplicate_edges;
+mod boundary_band;
+mod cdt;
+mod duplicate_edges;
 mod ear_clipping;
 mod interior;
-pub(crate) mod lattice;
-pub(crate) mod loop_triangulation;
-pub(crate) mod loops;
+mod lattice;
+mod loop_triangulation;
+mod loops;
 mod quality;
 mod refinement;
 mod repair_loops;
-pub(crate) mod target_length;
+mod target_length;
 mod validate;
 
 use crate::error::RefineError;
-use crate::paper::section::{SectionPaper, Task};
-use crate::params::{RefineMethod, RefineParams};
-pub(crate) use barycentric::barycentric_weights;
+use crate::params::RefineParams;
 use boundary_band::BoundaryBand;
 use incise_mesh::index_u32;
 use interior::Interior;
@@ -62,11 +59,6 @@ pub struct Section<'a> {
 /// Parameters of [`triangulate_section`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SectionMeshParams<'a> {
-    /// The algorithm.
-    ///
-    /// [`RefineMethod::Paper`] uses one target for each connected part, the mean of the targets
-    /// along its rim, and ignores `grading` and `min_angle`.
-    pub method: RefineMethod,
     /// Target edge length away from the rim.
     ///
     /// Near shorter rim edges the target starts at their length and grows with the distance.
@@ -78,8 +70,6 @@ pub struct SectionMeshParams<'a> {
     pub grading: f64,
     /// Triangles with a smaller angle get a Steiner point where that improves them \[degrees\].
     pub min_angle: f64,
-    /// Maximum rounds for [`RefineMethod::Paper`], see [`RefineParams::max_rounds`].
-    pub max_rounds: u32,
     /// Maximum number of triangles; a section that needs more is an error.
     pub max_triangles: usize,
 }
@@ -88,11 +78,9 @@ impl Default for SectionMeshParams<'_> {
     fn default() -> Self {
         let refine = RefineParams::default();
         Self {
-            method: refine.method,
             size: SectionMeshSize::Any,
             grading: refine.grading,
             min_angle: 31.0,
-            max_rounds: refine.max_rounds,
             max_triangles: refine.max_triangles,
         }
     }
@@ -120,8 +108,6 @@ pub struct SectionMeshReport {
     pub separated_loops: usize,
     /// Loops that touch or cross themselves, closed as discs without Steiner points.
     pub self_intersecting_loops: usize,
-    /// Parts that [`RefineMethod::Paper`] left with too large triangles after the last round.
-    pub unconverged: usize,
 }
 
 /// The triangles of a section.
@@ -147,7 +133,6 @@ pub struct SectionMeshScratch {
     lattice: Lattice,
     band: BoundaryBand,
     refiner: Refiner,
-    paper: SectionPaper,
 }
 
 /// Triangulates a section, with Steiner points that meet the target edge lengths.
@@ -191,25 +176,10 @@ pub fn triangulate_section(
             lattice,
             band,
             refiner,
-            paper,
         } = &mut *scratch;
         let validity =
             repair_loops::triangulate(loops, triangulation, &group, mirrored, &mut repair_budget);
-        if validity == LoopValidity::Valid && params.method == RefineMethod::Paper {
-            lattice.clear();
-            band.clear(triangulation);
-            let task = Task {
-                loops,
-                targets,
-                mirrored,
-                refine: RefineParams {
-                    max_rounds: params.max_rounds,
-                    max_triangles: limit,
-                    ..RefineParams::default()
-                },
-            };
-            paper.triangulate(&task, triangulation, lattice, band, &has_edge, &mut mesh)?;
-        } else if validity == LoopValidity::Valid {
+        if validity == LoopValidity::Valid {
             lattice.clear();
             band.clear(triangulation);
             if !targets.is_any() {

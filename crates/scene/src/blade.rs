@@ -29,8 +29,7 @@ incise_params::choices! {
         ///
         /// The walls of an incision belong to one piece: contacts between them need
         /// [`crate::ContactParams::self_collision`]. They coincide at rest, so that the minimum
-        /// distance between them is zero. With [`incise_cut::CutMethod::Paper`] only full
-        /// slices are possible.
+        /// distance between them is zero.
         Progressive = "progressive",
         /// Cuts full slices: a sweep that ends inside a body is refused.
         FullSlices = "full-slices",

@@ -59,8 +59,8 @@ struct LooseBounds {
 }
 
 /// The result of a cut, and the time of updating BVH and constraints.
-pub(crate) struct BodyCut {
-    pub(crate) cut: Result<CutOutcome, CutError>,
+pub(crate) struct BodyCut<E> {
+    pub(crate) cut: Result<CutOutcome, E>,
     pub(crate) constraints: Duration,
 }
 
@@ -242,7 +242,7 @@ impl Body {
         sweep: &Sweep,
         params: &CutParams,
         threads: Option<NonZeroUsize>,
-    ) -> Result<BodyCut, SceneError> {
+    ) -> Result<BodyCut<CutError>, SceneError> {
         self.cutter.set_threads(threads);
         self.cutter.set_defers_bvh(true);
         let mut stepped = None;
@@ -267,7 +267,31 @@ impl Body {
                 cut
             }
         };
-        let sweep = stepped.as_ref().unwrap_or(sweep);
+        self.follow(cut, stepped.as_ref().unwrap_or(sweep), threads)
+    }
+
+    /// Cuts along `sweep` by a method of the caller, and updates BVH, constraints and masses.
+    ///
+    /// The BVH must be refitted.
+    pub(crate) fn cut_with<E>(
+        &mut self,
+        sweep: &Sweep,
+        cut: impl FnOnce(&mut Cutter, &mut Surface) -> Result<CutOutcome, E>,
+        threads: Option<NonZeroUsize>,
+    ) -> Result<BodyCut<E>, SceneError> {
+        self.cutter.set_threads(threads);
+        self.cutter.set_defers_bvh(true);
+        let cut = cut(&mut self.cutter, &mut self.surface);
+        self.follow(cut, sweep, threads)
+    }
+
+    /// Updates BVH, constraints and masses after a cut.
+    fn follow<E>(
+        &mut self,
+        cut: Result<CutOutcome, E>,
+        sweep: &Sweep,
+        threads: Option<NonZeroUsize>,
+    ) -> Result<BodyCut<E>, SceneError> {
         let version = self.surface.fingerprint();
         self.version_before_cut = std::mem::replace(&mut self.topology_version, version);
         let begin = Instant::now();

@@ -1,13 +1,13 @@
 //! One frame of a [`Scene`] in order: sweeps and cuts, then contacts, then the solver.
 
 use crate::blade::{Blade, BladeId};
-use crate::body::BodyId;
+use crate::body::{Body, BodyCut, BodyId};
 use crate::error::SceneError;
 use crate::gpu_bodies::GpuBodies;
 use crate::scene::{FailedCut, Scene, SweepResult};
 use crate::stats::FrameStats;
-use incise_cut::{CutError, CutParams, Sweep};
-use incise_mesh::Aabb;
+use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Sweep};
+use incise_mesh::{Aabb, Surface};
 use incise_pbd_gpu::{Collider, ConstraintError, StepError};
 use web_time::Instant;
 
@@ -40,7 +40,7 @@ impl Scene {
         self.failed_cuts.clear();
         self.cuts.clear();
         for i in 0..self.blades.len() {
-            self.cut_with(i)?;
+            self.cut_with_blade(i)?;
             self.blades[i].end_sweep();
         }
         let bodies = count(self.bodies.iter().flatten());
@@ -167,7 +167,7 @@ impl Scene {
     }
 
     /// Cuts along one blade's sweep and records the result.
-    fn cut_with(&mut self, index: usize) -> Result<(), SceneError> {
+    fn cut_with_blade(&mut self, index: usize) -> Result<(), SceneError> {
         let begin = Instant::now();
         let (blade, id) = (self.blades[index], self.blade_id(index));
         let params = CutParams {
@@ -258,18 +258,72 @@ impl Scene {
         sweep: &Sweep,
         params: &CutParams,
     ) -> Result<(), SceneError> {
+        let threads = self.params.solver.threads;
+        let cut = |body: &mut Body| body.cut((id.index, blade), sweep, params, threads);
+        match self.cut_refitted(i, cut)? {
+            Some(Ok(outcome)) if !outcome.is_miss() => {
+                self.cuts.push(SweepResult {
+                    blade: id,
+                    cut: Some((self.body_id(i), outcome)),
+                });
+                // New triangles may make it large enough for the GPU.
+                self.move_to_gpu(i)
+            }
+            Some(Err(error)) => {
+                self.record_failed_cut(id, i, error);
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Cuts a body along `sweep` by a method of the caller instead of a blade.
+    ///
+    /// `cut` gets the cutter, whose BVH fits the surface, and the surface; its outcome must be that
+    /// of the one edit that it makes. Constraints, masses, BVH and GPU follow, as of a blade's cut.
+    /// Counters and times add to [`Scene::stats`], so call this between [`Scene::cut`] and
+    /// [`Scene::advance`]. [`Scene::cuts`] does not list the cut.
+    ///
+    /// # Errors
+    /// As [`Scene::read_back`] and [`Scene::cut`]. The inner error is that of `cut`.
+    pub fn cut_with<E>(
+        &mut self,
+        id: BodyId,
+        sweep: &Sweep,
+        cut: impl FnOnce(&mut Cutter, &mut Surface) -> Result<CutOutcome, E>,
+    ) -> Result<Result<CutOutcome, E>, SceneError> {
+        self.validate_edits()?;
+        self.read_back(id)?;
+        let threads = self.params.solver.threads;
+        let cut = |body: &mut Body| body.cut_with(sweep, cut, threads);
+        let result = self.cut_refitted(id.index, cut)?;
+        let result = result.ok_or(SceneError::UnknownBody { body: id })?;
+        match &result {
+            Ok(outcome) if !outcome.is_miss() => self.move_to_gpu(id.index)?,
+            Ok(_) => {}
+            Err(_) => self.stats.failed_cuts += 1,
+        }
+        Ok(result)
+    }
+
+    /// Refits the BVH of a body, whose CPU copy is up to date, cuts the body, and records counters
+    /// and times. Returns nothing for a removed body.
+    fn cut_refitted<E>(
+        &mut self,
+        i: usize,
+        cut: impl FnOnce(&mut Body) -> Result<BodyCut<E>, SceneError>,
+    ) -> Result<Option<Result<CutOutcome, E>>, SceneError> {
         let Some(body) = &mut self.bodies[i] else {
-            return Ok(());
+            return Ok(None);
         };
         let begin = Instant::now();
         self.stats.bvh_refits += u32::from(body.refit());
         self.stats.narrow_phase_queries += 1;
         self.stats.detection += begin.elapsed();
         let begin = Instant::now();
-        let threads = self.params.solver.threads;
-        let result = body.cut((id.index, blade), sweep, params, threads)?;
+        let result = cut(body)?;
         self.stats.constraint_update += result.constraints;
-        match result.cut {
+        match &result.cut {
             Ok(outcome) => {
                 let report = outcome.report;
                 self.stats.candidate_triangles += report.candidates;
@@ -281,23 +335,14 @@ impl Scene {
                 if !outcome.is_miss() {
                     self.stats.cuts += 1;
                     self.sleep.wake(i);
-                    self.cuts.push(SweepResult {
-                        blade: id,
-                        cut: Some((self.body_id(i), outcome)),
-                    });
                     if let Some(gpu) = &mut self.gpu {
                         gpu.record_cut(i);
                     }
-                    // New triangles may make it large enough for the GPU.
-                    self.move_to_gpu(i)?;
                 }
             }
-            Err(error) => {
-                self.stats.detection += begin.elapsed();
-                self.record_failed_cut(id, i, error);
-            }
+            Err(_) => self.stats.detection += begin.elapsed(),
         }
-        Ok(())
+        Ok(Some(result.cut))
     }
 
     fn record_failed_cut(&mut self, blade: BladeId, i: usize, error: CutError) {

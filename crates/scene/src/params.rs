@@ -4,7 +4,7 @@ use crate::contacts::ContactParams;
 use crate::error::SceneError;
 use crate::sleep::SleepParams;
 use incise_cut::CutParams;
-use incise_params::{ParamError, Params, Range, resolve};
+use incise_params::{Params, Range};
 use incise_pbd_gpu::SolverParams;
 
 incise_params::params! {
@@ -47,25 +47,6 @@ impl SceneParams {
     pub fn check(&self) -> Result<(), SceneError> {
         self.check_ranges()?;
         self.solver.check(self.dt).map_err(SceneError::Frame)
-    }
-
-    /// Checks that the chosen methods use the parameters of these names, see
-    /// [`CutParams::check_given`].
-    ///
-    /// # Errors
-    /// [`ParamError::NotChosen`] for one that they ignore.
-    pub fn check_given<'a>(
-        &self,
-        names: impl IntoIterator<Item = &'a str>,
-    ) -> Result<(), ParamError> {
-        for name in names {
-            let path = resolve(Self::FIELDS, name)?;
-            if let Some(of_cut) = path.strip_prefix("cut.") {
-                let checked = self.cut.check_given([of_cut]);
-                checked.map_err(|error| error.named(name))?;
-            }
-        }
-        Ok(())
     }
 
     /// Checks all parameters except those of cuts, which each cut checks.

@@ -1,6 +1,5 @@
 //! Commands and settings of a session, as serializable data.
 
-use incise_cut::{CutMethod, PaperParams};
 use incise_params::{ParamError, Parameter, Params, Value};
 use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Stiffness, Volume};
 use incise_scene::{BladeMode, ContactParams, SceneParams};
@@ -15,10 +14,6 @@ pub type Edge = [[f32; 3]; 2];
 /// a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "commands are rare, and copied with the settings"
-)]
 pub enum Command {
     /// Cuts immediately along the sweep of a blade between two positions of its edge.
     ///
@@ -79,7 +74,7 @@ pub struct Settings {
     pub material: Material,
     /// Enables the ground plane.
     pub ground: bool,
-    /// Lets cuts end inside the body (exact method).
+    /// Lets cuts end inside the body.
     ///
     /// A held blade then cuts as it moves. Otherwise it cuts when it leaves the body, and a line
     /// that ends inside the body is refused.
@@ -135,9 +130,8 @@ impl TryFrom<Value> for Settings {
                     let gravity = SolverParams::default().gravity;
                     scene.solver.gravity = if *is_on { gravity } else { [0.0; 3] };
                 }
-                ("method", Value::Text(name)) if name == "rebuild" => {
-                    scene.cut.method = CutMethod::Paper(PaperParams::default());
-                }
+                // The only method that is left.
+                ("method", Value::Text(name)) if name == "exact" => {}
                 ("bending" | "volume" | "interior_springs", Value::None) => {
                     material.set(name, value)?;
                 }
@@ -167,11 +161,11 @@ impl Settings {
         made_with_body(&self.material) != made_with_body(&other.material)
     }
 
-    /// Returns the mode of the blade: the paper's method cuts full slices only.
+    /// Returns the mode of the blade.
     pub(crate) fn blade_mode(&self) -> BladeMode {
-        match self.scene.cut.method {
-            CutMethod::Exact(_) if self.progressive => BladeMode::Progressive,
-            _ => BladeMode::FullSlices,
+        match self.progressive {
+            true => BladeMode::Progressive,
+            false => BladeMode::FullSlices,
         }
     }
 

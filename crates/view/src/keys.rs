@@ -29,8 +29,6 @@ pub enum Action {
     CapColors,
     /// Toggles stretch constraints in the colors of their batches.
     BatchColors,
-    /// Switches between the cut methods.
-    Method,
     /// Selects the next coarser refinement level.
     Coarser,
     /// Selects the next finer refinement level.
@@ -71,7 +69,7 @@ const fn key(name: &'static str, action: Action, description: &'static str) -> K
 }
 
 /// All keys, in the order of the help.
-pub const KEYS: [Key; 26] = [
+pub const KEYS: [Key; 25] = [
     key(
         "1",
         Action::SelectTool(Tool::Slice),
@@ -100,7 +98,6 @@ pub const KEYS: [Key; 26] = [
     key("p", Action::PieceColors, "color by piece"),
     key("c", Action::CapColors, "color cut sections"),
     key("b", Action::BatchColors, "color constraints by batch"),
-    key("m", Action::Method, "cut method: exact or paper"),
     key("[", Action::Coarser, "coarser cut sections"),
     key("]", Action::Finer, "finer cut sections"),
     key("-", Action::FewerSubsteps, "fewer substeps"),

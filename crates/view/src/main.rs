@@ -16,8 +16,7 @@ use std::process::ExitCode;
 
 /// Opens a window to cut and drag a soft body. Press ? there for the keys.
 ///
-/// A line may end inside the body, and a held blade cuts as it moves. The paper's method cuts right
-/// through the body only.
+/// A line may end inside the body, and a held blade cuts as it moves.
 #[derive(Parser)]
 #[command(version)]
 struct Arguments {
@@ -37,7 +36,7 @@ struct Arguments {
     /// Size of the window [pixels].
     #[arg(long, value_name = "WxH", default_value = "1280x800", value_parser = size)]
     size: Size,
-    /// Curves along which caps close cuts (exact method).
+    /// Curves along which caps close cuts.
     #[arg(
         long,
         value_name = "CURVES",

@@ -12,30 +12,20 @@ use wasm_bindgen::{JsCast, JsValue};
 /// Returns the parameters of a cut: the defaults with values by name, or without them.
 pub(crate) fn cut_params(values: &Value) -> Result<CutParams, WebError> {
     let mut params = CutParams::default();
-    let names = set(&mut params, values)?;
-    params.check_given(names)?;
+    set(&mut params, values)?;
     params.check()?;
     Ok(params)
 }
 
-/// Sets parameters by name, and returns the names.
-pub(crate) fn set<'a, P: Params>(
-    params: &mut P,
-    values: &'a Value,
-) -> Result<impl Iterator<Item = &'a str> + use<'a, P>, WebError> {
-    let entries = match values {
-        Value::None => &[],
-        Value::Map(entries) => {
-            params.set_value(values)?;
-            entries.as_slice()
-        }
-        _ => {
-            return Err(ParamError::wrong_type(values, P::KIND)
-                .named("the argument")
-                .into());
-        }
-    };
-    Ok(entries.iter().map(|(name, _)| name.as_str()))
+/// Sets parameters by name.
+pub(crate) fn set<P: Params>(params: &mut P, values: &Value) -> Result<(), WebError> {
+    match values {
+        Value::None => Ok(()),
+        Value::Map(_) => Ok(params.set_value(values)?),
+        _ => Err(ParamError::wrong_type(values, P::KIND)
+            .named("the argument")
+            .into()),
+    }
 }
 
 /// Returns a material: a name, values by name with or without the name `preset`, or a soft body if
@@ -60,7 +50,7 @@ pub(crate) fn material(values: &Value) -> Result<Material, WebError> {
             ParamError::wrong_value(preset, names).named("preset")
         })?,
     };
-    let _names = set(&mut material, &values)?;
+    set(&mut material, &values)?;
     Ok(material)
 }
 
@@ -281,14 +271,14 @@ mod tests {
             Value::Map(entries.collect())
         };
         let level = ("level", Value::from("0.7"));
-        let paper = ("method", Value::from("paper"));
-        let params = cut_params(&values(&[level, paper.clone()])).unwrap();
+        let caps = ("caps", Value::from("none"));
+        let params = cut_params(&values(&[level, caps])).unwrap();
         assert_eq!(params.refine.level.z(), 0.7);
-        assert_eq!(params.method.name(), "paper");
+        assert_eq!(params.caps.name(), "none");
         for bad in [
             &[("level", Value::Number(-1.0))][..],
             &[("level", Value::from("finest"))],
-            &[("snap", Value::Number(0.2)), paper],
+            &[("snap", Value::Number(0.7))],
         ] {
             assert!(cut_params(&values(bad)).is_err(), "{bad:?}");
         }

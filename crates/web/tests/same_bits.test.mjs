@@ -52,7 +52,7 @@ function fall(mesh, [x, y, z, d]) {
 
 test("seeded cuts and a scene have the bits of Rust", () => {
   const lines = readFileSync(LIST, "utf8").trim().split("\n").map((line) => line.split(" "));
-  assert.equal(lines.length, 101);
+  assert.equal(lines.length, 91);
   for (const [name, method, level, ...rest] of lines) {
     // A mesh has no cut by the path of a blade here.
     if (method === "path") continue;

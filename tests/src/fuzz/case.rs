@@ -3,7 +3,7 @@
 use crate::{Blade, Body, Deformation, Shape};
 use arbitrary::{Arbitrary, Result, Unstructured};
 use incise_models::Model;
-use incise_refine::{RefineMethod, RefinementLevel};
+use incise_refine::RefinementLevel;
 
 /// Maximum number of steps of a case, since bodies grow with every cut.
 const MAX_STEPS: usize = 8;
@@ -34,8 +34,6 @@ pub enum Step {
         snap: f64,
         /// Maximum displacement by remeshing, relative to the local edge length.
         remesh: f64,
-        /// Refinement method of the caps.
-        method: RefineMethod,
         /// Index of the only piece to cut, modulo the number of pieces.
         only: Option<u32>,
     },
@@ -147,10 +145,6 @@ fn step(u: &mut Unstructured<'_>) -> Result<Step> {
             remesh: match u.int_in_range(0..=3)? {
                 0 => between(u, 0.05, 0.4)?,
                 _ => 0.0,
-            },
-            method: match u.int_in_range(0..=3)? {
-                0 => RefineMethod::Paper,
-                _ => RefineMethod::Delaunay,
             },
             only: match u.int_in_range(0..=2)? {
                 0 => Some(u.arbitrary()?),

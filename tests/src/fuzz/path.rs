@@ -4,7 +4,7 @@ use super::case::{body, vector};
 use super::run::{Done, bend, undo_cut};
 use crate::{Body, assert_closed_manifold, assert_same_bits};
 use arbitrary::{Arbitrary, Result, Unstructured};
-use incise_cut::{Caps, CutError, CutMethod, CutParams, Cutter, ExactParams, Incision};
+use incise_cut::{Caps, CutError, CutParams, Cutter, Incision};
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Undo, Vec3};
 
@@ -106,10 +106,7 @@ impl PathCase {
             is_closed: true,
         };
         let params = CutParams {
-            method: CutMethod::Exact(ExactParams {
-                snap: self.snap,
-                ..ExactParams::default()
-            }),
+            snap: self.snap,
             caps: self.caps,
             ..CutParams::default()
         };

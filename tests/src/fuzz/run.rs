@@ -2,7 +2,7 @@
 
 use super::case::{Case, Step, SweepCase};
 use crate::{assert_closed_manifold, assert_same_bits, cut_and_check};
-use incise_cut::{CutError, CutMethod, CutParams, Cutter, ExactParams, Sweep};
+use incise_cut::{CutError, CutParams, Cutter, Sweep};
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Undo, Vec3};
 use incise_refine::RefineParams;
@@ -32,14 +32,13 @@ impl Case {
                     level,
                     snap,
                     remesh,
-                    method,
                     only,
                 } => {
                     let params = CutParams {
-                        method: CutMethod::Exact(ExactParams { snap, remesh }),
+                        snap,
+                        remesh,
                         only_piece: only.and_then(|n| piece(&surface, n)),
                         refine: RefineParams {
-                            method,
                             level,
                             ..RefineParams::default()
                         },

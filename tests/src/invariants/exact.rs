@@ -2,7 +2,7 @@
 
 use super::section::Section;
 use super::{assert_delta_matches, assert_same_bits};
-use incise_cut::{CutMethod, CutOutcome, CutParams, Cutter, ExactParams, Sweep};
+use incise_cut::{CutOutcome, CutParams, Cutter, Sweep};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{AddedVertex, HalfEdge, Surface, TriangleId, Vec3, VertexId, VertexOrigin};
 use std::collections::{BTreeMap, BTreeSet};
@@ -45,18 +45,6 @@ impl Scale {
     }
 }
 
-/// Returns the parameters of the exact method.
-///
-/// # Panics
-/// With the paper's method.
-#[must_use]
-pub fn exact_params(params: &CutParams) -> ExactParams {
-    match params.method {
-        CutMethod::Exact(exact) => exact,
-        CutMethod::Paper(_) => panic!("the exact method is needed, not {params:?}"),
-    }
-}
-
 /// Asserts all invariants of the cut of `before` along `sweep` with result `after`.
 pub(super) fn assert_exact(
     before: &Surface,
@@ -65,14 +53,13 @@ pub(super) fn assert_exact(
     params: &CutParams,
     outcome: &CutOutcome,
 ) {
-    let exact = exact_params(params);
     let scale = Scale::of(before, outcome);
     assert_caps_are_mirrored(after, outcome);
     assert_caps_are_on_the_sweep(after, sweep, outcome, &scale);
     assert_volume_is_kept(before, after, outcome, &scale);
-    assert_short_edges_are_counted(before, after, exact, outcome, &scale);
+    assert_short_edges_are_counted(before, after, params.snap, outcome, &scale);
     assert_pieces_lie_on_one_side(after, sweep, outcome, &scale);
-    if exact.snap == 0.0 && exact.remesh == 0.0 {
+    if params.snap == 0.0 && params.remesh == 0.0 {
         assert_surface_is_kept(before, after, outcome, &scale);
     }
     assert!(
@@ -172,7 +159,7 @@ fn local_edge(before: &Surface, origin: &VertexOrigin) -> Option<f64> {
 fn assert_short_edges_are_counted(
     before: &Surface,
     after: &Surface,
-    exact: ExactParams,
+    snap: f64,
     outcome: &CutOutcome,
     scale: &Scale,
 ) {
@@ -198,7 +185,7 @@ fn assert_short_edges_are_counted(
                 local_edge(before, origin).expect("the rim's vertices are on edges and in faces")
             });
             let [a, b] = ends.map(|v| after.position(v));
-            let limit = exact.snap * local[0].min(local[1]);
+            let limit = snap * local[0].min(local[1]);
             // Both ends are rounded, so an edge near the limit may be counted or not.
             let rounding = 2.0 * scale.shift;
             short[0] += usize::from((b - a).norm() < limit - rounding);

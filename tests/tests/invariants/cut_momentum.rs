@@ -1,7 +1,8 @@
 //! A cut preserves mass, center of mass, momentum and angular momentum of a body.
 
-use incise_cut::{CutMethod, CutParams, Cutter, ExactParams, PaperParams, Sweep};
+use incise_cut::{CutOutcome, CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, Vec3, VertexId, cube_sphere, icosphere, torus};
+use incise_paper::PaperParams;
 use incise_pbd_gpu::{Density, Material, Solver};
 use proptest::prelude::*;
 
@@ -51,17 +52,18 @@ fn sums(surface: &Surface, solver: &Solver, about: [f64; 3]) -> (f64, Vec3, Vec3
     )
 }
 
-fn params(kind: u8) -> CutParams {
-    CutParams {
-        method: match kind {
-            2 => CutMethod::Paper(PaperParams::default()),
-            _ => CutMethod::Exact(ExactParams {
-                snap: if kind == 1 { 0.1 } else { 0.0 },
-                ..ExactParams::default()
-            }),
-        },
-        ..CutParams::default()
+/// Cuts by the exact method without and with snapping, or by the paper's.
+fn cut(kind: u8, surface: &mut Surface, sweep: &Sweep) -> Option<CutOutcome> {
+    let mut cutter = Cutter::new(surface);
+    if kind == 2 {
+        let cut = incise_paper::cut(&mut cutter, surface, sweep, &PaperParams::default());
+        return cut.ok().map(|outcome| outcome.cut);
     }
+    let params = CutParams {
+        snap: if kind == 1 { 0.1 } else { 0.0 },
+        ..CutParams::default()
+    };
+    cutter.cut(surface, sweep, &params).ok()
 }
 
 proptest! {
@@ -98,7 +100,7 @@ proptest! {
         let (mass, center, momentum, angular) = sums(&surface, &solver, about);
         let (energy, speed) = (solver.kinetic_energy(), max_speed(&solver));
         let sweep = Sweep::from_plane(normal, offset, &surface.bounds()).unwrap();
-        let Ok(outcome) = Cutter::new(&surface).cut(&mut surface, &sweep, &params(kind)) else {
+        let Some(outcome) = cut(kind, &mut surface, &sweep) else {
             // The paper's method supports simple loops only.
             prop_assert_eq!(kind, 2);
             return Ok(());
@@ -132,8 +134,7 @@ proptest! {
             solver.set_velocity(v, velocity).unwrap();
         }
         let sweep = Sweep::from_plane(normal, 0.07, &surface.bounds()).unwrap();
-        let cut = Cutter::new(&surface).cut(&mut surface, &sweep, &params(kind));
-        let delta = cut.unwrap().delta;
+        let delta = cut(kind, &mut surface, &sweep).unwrap().delta;
         solver.apply_delta(&mut surface, &delta).unwrap();
         for v in surface.topology().vertices() {
             for (now, was) in solver.velocity(v).into_iter().zip(velocity) {
@@ -163,9 +164,7 @@ fn pinned_vertices_stay_and_free_ones_take_the_momentum() {
     );
     let scale = solver.total_mass() * max_speed(&solver);
     let sweep = Sweep::from_plane([0.1, 1.0, 0.2], 0.02, &surface.bounds()).unwrap();
-    let outcome = Cutter::new(&surface)
-        .cut(&mut surface, &sweep, &params(0))
-        .unwrap();
+    let outcome = cut(0, &mut surface, &sweep).unwrap();
     solver.apply_delta(&mut surface, &outcome.delta).unwrap();
     for &v in &pinned {
         assert_eq!(solver.velocity(v), [0.0; 3], "{v} is pinned");

@@ -1,23 +1,20 @@
 //! The paper's method on random bodies, sweeps and levels: results are closed manifolds.
 
-use incise_cut::{CutError, CutMethod, CutOutcome, CutParams, Cutter, PaperParams};
+use incise_cut::{CutOutcome, Cutter};
 use incise_mesh::Surface;
 use incise_mesh::geometry::{Vec3, area_vector};
-use incise_refine::{RefineParams, RefinementLevel};
+use incise_paper::{PaperError, PaperParams};
+use incise_refine::RefinementLevel;
 use incise_tests::{
-    Blade, Body, any_blade, any_body, any_level, assert_closed_manifold, cases, cut_and_check,
-    euler_characteristics, flat_blade, large_body, self_intersecting_body,
+    Blade, Body, any_blade, any_body, any_level, assert_closed_manifold, cases,
+    euler_characteristics, flat_blade, large_body, paper_cut_and_check, self_intersecting_body,
 };
 use proptest::prelude::*;
 
-fn params(level: RefinementLevel) -> CutParams {
-    CutParams {
-        method: CutMethod::Paper(PaperParams::default()),
-        refine: RefineParams {
-            level,
-            ..RefineParams::default()
-        },
-        ..CutParams::default()
+fn params(level: RefinementLevel) -> PaperParams {
+    PaperParams {
+        level,
+        ..PaperParams::default()
     }
 }
 
@@ -31,7 +28,7 @@ fn cut_in_turn(body: &Body, blades: &[(Blade, RefinementLevel)]) {
         let Ok(sweep) = blade.sweep(&surface) else {
             continue;
         };
-        let result = cut_and_check(&mut surface, &mut cutter, &sweep, &params(*level));
+        let result = paper_cut_and_check(&mut surface, &mut cutter, &sweep, &params(*level));
         match result {
             Ok(outcome) => {
                 assert!(outcome.delta.pieces_removed.is_empty(), "a piece vanished");
@@ -87,11 +84,11 @@ impl RemovedSizes {
     }
 }
 
-fn is_allowed(error: CutError, blade: &Blade) -> bool {
+fn is_allowed(error: PaperError, blade: &Blade) -> bool {
     match error {
-        CutError::NestedSection { .. } => true,
-        CutError::PartialCut { .. } => !blade.is_full_plane(),
-        CutError::SideConflict { .. } => matches!(blade, Blade::Bent(..) | Blade::Short(..)),
+        PaperError::NestedSection { .. } => true,
+        PaperError::PartialCut { .. } => !blade.is_full_plane(),
+        PaperError::SideConflict { .. } => matches!(blade, Blade::Bent(..) | Blade::Short(..)),
         _ => false,
     }
 }
@@ -130,7 +127,7 @@ proptest! {
         let mut surface = before.clone();
         let mut cutter = Cutter::new(&before);
         let Ok(sweep) = blade.sweep(&surface) else { return Ok(()) };
-        let Ok(outcome) = cut_and_check(&mut surface, &mut cutter, &sweep, &params(level)) else {
+        let Ok(outcome) = paper_cut_and_check(&mut surface, &mut cutter, &sweep, &params(level)) else {
             return Ok(());
         };
         let replaced = RemovedSizes::of(&before, &surface, &outcome);

@@ -1,6 +1,6 @@
 //! Invariants of the exact method on random bodies, sweeps, levels and snapping distances.
 
-use incise_cut::{CutError, CutMethod, CutParams, Cutter, ExactParams, Sweep};
+use incise_cut::{CutError, CutParams, Cutter, Sweep};
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3};
 use incise_refine::{RefineParams, RefinementLevel};
@@ -13,10 +13,7 @@ use proptest::prelude::*;
 
 fn params(level: RefinementLevel, snap: f64) -> CutParams {
     CutParams {
-        method: CutMethod::Exact(ExactParams {
-            snap,
-            ..ExactParams::default()
-        }),
+        snap,
         refine: RefineParams {
             level,
             ..RefineParams::default()

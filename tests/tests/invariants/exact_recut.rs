@@ -1,6 +1,6 @@
 //! Cuts along a sweep that cut the body before: they change nothing.
 
-use incise_cut::{CutMethod, CutParams, Cutter, ExactParams, Sweep};
+use incise_cut::{CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, Vec3};
 use incise_models::{Model, build_model};
 use incise_refine::{RefineParams, RefinementLevel};
@@ -9,7 +9,8 @@ use proptest::prelude::*;
 
 fn params(snap: f64, remesh: f64, level: RefinementLevel) -> CutParams {
     CutParams {
-        method: CutMethod::Exact(ExactParams { snap, remesh }),
+        snap,
+        remesh,
         refine: RefineParams {
             level,
             ..RefineParams::default()

@@ -1,12 +1,11 @@
 //! Remeshing around the rim: invariants of a cut, removed slivers, and the bound of displacements.
 
-use incise_cut::{CutError, CutMethod, CutOutcome, CutParams, Cutter, ExactParams, Sweep};
+use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Sweep};
 use incise_mesh::geometry::{area_vector, corner_angles};
 use incise_mesh::{Surface, TriangleId, Vec3, VertexId, icosphere};
 use incise_models::{Model, build_model};
 use incise_tests::{
-    Planes, any_blade, any_body, any_level, cases, cut_and_check, exact_params,
-    self_intersecting_body,
+    Planes, any_blade, any_body, any_level, cases, cut_and_check, self_intersecting_body,
 };
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -22,7 +21,8 @@ struct Twice {
 /// Returns parameters of the exact method.
 fn remeshing(snap: f64, remesh: f64) -> CutParams {
     CutParams {
-        method: CutMethod::Exact(ExactParams { snap, remesh }),
+        snap,
+        remesh,
         ..CutParams::default()
     }
 }
@@ -39,17 +39,14 @@ fn cut_twice(before: &Surface, sweep: &Sweep, params: &CutParams) -> Option<Twic
         }
     };
     let off = CutParams {
-        method: CutMethod::Exact(ExactParams {
-            remesh: 0.0,
-            ..exact_params(params)
-        }),
+        remesh: 0.0,
         ..*params
     };
     Some(Twice {
         before: before.clone(),
         plain: cut(&off)?,
         remeshed: cut(params)?,
-        tolerance: exact_params(params).remesh,
+        tolerance: params.remesh,
     })
 }
 
@@ -321,10 +318,7 @@ fn slivers_are_rare() {
             let sweep = planes.sweep(i).expect("the model has a size");
             for (sum, remesh) in sums.iter_mut().zip([0.0, 0.1]) {
                 let params = CutParams {
-                    method: CutMethod::Exact(ExactParams {
-                        remesh,
-                        ..ExactParams::default()
-                    }),
+                    remesh,
                     ..CutParams::default()
                 };
                 let mut surface = whole.clone();
@@ -368,10 +362,7 @@ fn crossing_loops_join_no_pieces() {
         let sweep = Sweep::from_plane(normal, 0.2 * noise(), &whole.bounds()).expect("a plane");
         let cut = |remesh| {
             let params = CutParams {
-                method: CutMethod::Exact(ExactParams {
-                    remesh,
-                    ..ExactParams::default()
-                }),
+                remesh,
                 ..CutParams::default()
             };
             let mut surface = whole.clone();

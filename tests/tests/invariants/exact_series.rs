@@ -1,6 +1,6 @@
 //! Hundreds of successive cuts with all invariants, and volumes by point sampling.
 
-use incise_cut::{CutMethod, CutParams, Cutter, ExactParams, Sweep};
+use incise_cut::{CutParams, Cutter, Sweep};
 use incise_mesh::geometry::to_f64;
 use incise_mesh::{Surface, Vec3, icosphere, torus};
 use incise_models::{Model, build_model};
@@ -49,10 +49,7 @@ fn cut_often(whole: &Surface, count: usize, snap: f64, seed: u64) {
         let largest = (0..).zip(&volumes).max_by(|a, b| a.1.total_cmp(b.1));
         let largest = largest.expect("a body has a piece").0;
         let params = CutParams {
-            method: CutMethod::Exact(ExactParams {
-                snap,
-                ..ExactParams::default()
-            }),
+            snap,
             // Cuts of all pieces double their number; a few are enough.
             only_piece: (cuts % 40 != 39).then_some(largest),
             // Coarse caps bound the cost of checking the invariants.
@@ -134,10 +131,7 @@ fn pieces_contain_the_points_of_the_body() {
             let (origin, normal) = sweep.plane();
             let mut surface = body.clone();
             let params = CutParams {
-                method: CutMethod::Exact(ExactParams {
-                    snap: 0.0,
-                    ..ExactParams::default()
-                }),
+                snap: 0.0,
                 ..CutParams::default()
             };
             let mut cutter = Cutter::new(&body);

@@ -1,8 +1,9 @@
 //! The exact method on degenerate input: planes through vertices, edges and faces, and errors that
 //! leave the surface unchanged.
 
-use incise_cut::{CutError, CutMethod, CutParams, Cutter, ExactParams, PaperParams, Sweep};
+use incise_cut::{CutError, CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, TriangleId, VertexId, cube_sphere, icosphere, torus};
+use incise_paper::{PaperError, PaperParams};
 use incise_tests::{
     Blade, Body, Deformation, Shape, any_blade, any_body, assert_same_bits, cases, cut_and_check,
 };
@@ -32,10 +33,7 @@ fn cut_each(body: &Surface, blades: impl Iterator<Item = Blade> + Clone) {
                 continue;
             };
             let params = CutParams {
-                method: CutMethod::Exact(ExactParams {
-                    snap,
-                    ..ExactParams::default()
-                }),
+                snap,
                 ..CutParams::default()
             };
             let mut surface = body.clone();
@@ -92,10 +90,7 @@ fn every_lattice_plane_of_a_cube() {
         let mut surface = cube_sphere(2, 0.5);
         let mut cutter = Cutter::new(&surface);
         let params = CutParams {
-            method: CutMethod::Exact(ExactParams {
-                snap,
-                ..ExactParams::default()
-            }),
+            snap,
             ..CutParams::default()
         };
         let heights: Vec<f64> = {
@@ -167,10 +162,7 @@ fn parameters_out_of_range_are_errors() {
     let sweep = Sweep::from_plane([0.2, 1.0, 0.3], 0.03, &body.bounds()).expect("a plane");
     for snap in [-0.1, 0.5, 1.0, f64::NAN, f64::INFINITY] {
         let params = CutParams {
-            method: CutMethod::Exact(ExactParams {
-                snap,
-                ..ExactParams::default()
-            }),
+            snap,
             ..CutParams::default()
         };
         let result = Cutter::new(&body).cut(&mut body, &sweep, &params);
@@ -196,10 +188,7 @@ fn parameters_out_of_range_are_errors() {
 #[test]
 fn sweeps_of_any_size_cut_in_place_or_fail() {
     let params = CutParams {
-        method: CutMethod::Exact(ExactParams {
-            snap: 0.0,
-            ..ExactParams::default()
-        }),
+        snap: 0.0,
         ..CutParams::default()
     };
     for body in [icosphere(2, 0.5), torus(0.4, 0.15, 24, 12)] {
@@ -293,13 +282,10 @@ fn a_ball_with_a_hole_is_cut_as_a_sheet() {
         cut.validate().expect("a manifold");
         assert_eq!(cut.open_pieces(), [true; 2], "without {t}");
         assert!(outcome.cap.is_empty());
-        let params = CutParams {
-            method: CutMethod::Paper(PaperParams::default()),
-            ..CutParams::default()
-        };
         let before = open.clone();
-        match Cutter::new(&open).cut(&mut open, &sweep, &params) {
-            Err(CutError::OpenSurface { .. }) => {
+        let mut cutter = Cutter::new(&open);
+        match incise_paper::cut(&mut cutter, &mut open, &sweep, &PaperParams::default()) {
+            Err(PaperError::OpenSurface { .. }) => {
                 refused += 1;
                 assert_same_bits(&before, &open);
             }
@@ -332,10 +318,7 @@ fn a_bow_tie_is_cut_as_two_triangles() {
             }
             let cut = |sweep: &Sweep, snap: f64| {
                 let params = CutParams {
-                    method: CutMethod::Exact(ExactParams {
-                        snap,
-                        ..ExactParams::default()
-                    }),
+                    snap,
                     ..CutParams::default()
                 };
                 let mut surface = body.clone();

@@ -1,6 +1,6 @@
 //! The exact method is invariant under scaling, translation and reordering of the body.
 
-use incise_cut::{CutMethod, CutParams, Cutter, ExactParams, Sweep};
+use incise_cut::{CutParams, Cutter, Sweep};
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3, torus};
 use incise_tests::{
@@ -10,10 +10,7 @@ use proptest::prelude::*;
 
 fn params(snap: f64) -> CutParams {
     CutParams {
-        method: CutMethod::Exact(ExactParams {
-            snap,
-            ..ExactParams::default()
-        }),
+        snap,
         ..CutParams::default()
     }
 }

@@ -4,6 +4,7 @@
 //! `INCISE_UPDATE=1 cargo test -p incise-tests generated` writes them.
 
 use incise_cut::{CutParams, CutReport};
+use incise_paper::PaperParams;
 use incise_params::{Field, Kind, Params, Report, Value, all_fields, short_name};
 use incise_pbd_gpu::Material;
 use incise_refine::HoleParams;
@@ -49,7 +50,7 @@ fn values(kind: &Kind, field: &Field) -> String {
         Kind::Choice(names) => quoted(names.iter().copied()),
         Kind::Variants(variants) => {
             let alternatives = variants.iter().map(|variant| match variant.kind {
-                Kind::Unit | Kind::Struct(_) => format!("`{}`", variant.name),
+                Kind::Unit => format!("`{}`", variant.name),
                 ref kind => {
                     let unit = match variant.unit {
                         "" => String::new(),
@@ -75,7 +76,6 @@ fn quoted<'a>(names: impl Iterator<Item = &'a str>) -> String {
 fn default(field: &Field) -> String {
     match (field.default)() {
         Value::Map(entries) => match (field.kind.inner(), entries.as_slice()) {
-            (Kind::Variants(_), [(name, Value::Map(_))]) => format!("`{name}`"),
             (Kind::Variants(_), [(name, value)]) => format!("`{name}`: {value}"),
             _ => "on".to_owned(),
         },
@@ -133,7 +133,7 @@ const INTRODUCTION: &str = "\
 Made from the declarations in Rust by `INCISE_UPDATE=1 cargo test -p incise-tests generated`.
 
 A name may leave out leading parts, and have underscores or dashes in place of dots:
-`solver.substeps` is also `substeps`, and `cut.refine.method` is `refine_method`. A parameter that
+`solver.substeps` is also `substeps`, and `cut.refine.level` is `refine_level`. A parameter that
 is on or off is set by true and false, by `NAME.enabled`, or by its own parameters, which switch it
 on. `none` switches off a number that is optional. Lists are three numbers.
 
@@ -162,6 +162,9 @@ fn the_document_lists_all_parameters() {
     table::<Material>(&mut out);
     out.push_str("\n## Filled holes: `HoleParams`\n\n");
     table::<HoleParams>(&mut out);
+    out.push_str("\n## The paper's method: `PaperParams`\n\nOf `incise-paper`, and of ");
+    out.push_str("`incise cut --method paper`.\n\n");
+    table::<PaperParams>(&mut out);
     out.push_str(REPORTS);
     out.push_str("## Cuts: `CutReport`\n\n");
     report_table::<CutReport>(&mut out);
@@ -287,9 +290,6 @@ fn python_type(kind: &Kind) -> &'static str {
         Kind::Struct(_) => "Union[bool, Mapping[str, Any]]",
         Kind::Variants(variants) if variants.iter().any(|v| matches!(v.kind, Kind::Unit)) => {
             "Union[str, float]"
-        }
-        Kind::Variants(variants) if variants.iter().any(|v| matches!(v.kind, Kind::Struct(_))) => {
-            "Union[str, Mapping[str, Any]]"
         }
         Kind::Variants(_) => "Mapping[str, float]",
         _ => "str",

@@ -1,6 +1,6 @@
 //! Blades on random paths through random bodies and sheets, with the solver that follows.
 
-use incise_cut::{Caps, CutError, CutMethod, CutParams, Cutter, ExactParams, Incision};
+use incise_cut::{Caps, CutError, CutParams, Cutter, Incision};
 use incise_mesh::{Surface, TriangleId};
 use incise_pbd_gpu::{Material, Solver};
 use incise_refine::RefineParams;
@@ -104,7 +104,7 @@ proptest! {
             open(&mut surface, &holes);
         }
         let params = CutParams {
-            method: CutMethod::Exact(ExactParams { snap, remesh }),
+            snap, remesh,
             refine: RefineParams { level, ..RefineParams::default() },
             caps,
             ..CutParams::default()
@@ -130,10 +130,8 @@ fn a_path_ends_beside_a_vertex_of_two_fans() {
     ];
     let moves = [[[0.0; 3], [0.0, 0.0, -0.101_210_63]]];
     let params = CutParams {
-        method: CutMethod::Exact(ExactParams {
-            snap: 0.0,
-            remesh: 0.0,
-        }),
+        snap: 0.0,
+        remesh: 0.0,
         ..CutParams::default()
     };
     follow(surface, start, &moves, &params);

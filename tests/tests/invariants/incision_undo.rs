@@ -1,6 +1,6 @@
 //! Undo of steps in the middle of a progressive cut, which then goes on.
 
-use incise_cut::{CutMethod, CutParams, Cutter, ExactParams, Incision};
+use incise_cut::{CutParams, Cutter, Incision};
 use incise_mesh::{Surface, Undo, icosphere, sheet, torus};
 use incise_models::{Model, build_model};
 use incise_tests::{assert_same_bits, cases};
@@ -32,10 +32,7 @@ impl Stroke {
             cutter: Cutter::new(surface),
             incision: Incision::default(),
             params: CutParams {
-                method: CutMethod::Exact(ExactParams {
-                    snap,
-                    ..ExactParams::default()
-                }),
+                snap,
                 ..CutParams::default()
             },
             steps: Vec::new(),

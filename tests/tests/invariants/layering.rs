@@ -8,7 +8,7 @@ use std::process::Command;
 /// have [`FIXTURES`] as dev-dependencies.
 ///
 /// A new package needs a line here.
-const ALLOWED: [(&str, &[&str]); 20] = [
+const ALLOWED: [(&str, &[&str]); 21] = [
     ("incise-params", &[]),
     ("incise-mesh", &[]),
     ("incise-sparse", &[]),
@@ -16,6 +16,15 @@ const ALLOWED: [(&str, &[&str]); 20] = [
     (
         "incise-cut",
         &["incise-mesh", "incise-params", "incise-refine"],
+    ),
+    (
+        "incise-paper",
+        &[
+            "incise-mesh",
+            "incise-params",
+            "incise-refine",
+            "incise-cut",
+        ],
     ),
     (
         "incise-pbd-gpu",
@@ -60,6 +69,7 @@ const ALLOWED: [(&str, &[&str]); 20] = [
             "incise-params",
             "incise-refine",
             "incise-cut",
+            "incise-paper",
             "incise-pbd-gpu",
             "incise-render",
             "incise-scene",
@@ -92,6 +102,7 @@ const ALLOWED: [(&str, &[&str]); 20] = [
             "incise-params",
             "incise-refine",
             "incise-cut",
+            "incise-paper",
             "incise-pbd-gpu",
             "incise-render",
             "incise-scene",
@@ -107,6 +118,7 @@ const ALLOWED: [(&str, &[&str]); 20] = [
             "incise-models",
             "incise-refine",
             "incise-cut",
+            "incise-paper",
             "incise-pbd-gpu",
             "incise-scene",
             "incise-progress",
@@ -128,6 +140,7 @@ const LIBRARIES: &[&str] = &[
     "incise-params",
     "incise-refine",
     "incise-cut",
+    "incise-paper",
     "incise-pbd-gpu",
     "incise-render",
     "incise-scene",

@@ -4,7 +4,6 @@ mod attributes;
 mod cut_momentum;
 mod cut_properties;
 mod cuts_in_motion;
-mod exact_paper;
 mod exact_properties;
 mod exact_recut;
 mod exact_remesh;

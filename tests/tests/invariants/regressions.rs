@@ -1,17 +1,15 @@
 //! Counterexamples that property tests and reference cuts found.
 
-use incise_cut::{CutError, CutMethod, CutParams, Cutter, ExactParams, PaperParams, Sweep};
+use incise_cut::{CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, icosphere};
+use incise_paper::{PaperError, PaperParams};
 use incise_refine::RefinementLevel;
-use incise_tests::{Blade, Body, Deformation, Shape, cut_and_check};
+use incise_tests::{Blade, Body, Deformation, Shape, cut_and_check, paper_cut_and_check};
 
 /// Returns parameters for caps coarser than the surface.
 fn coarser(snap: f64) -> CutParams {
     let mut params = CutParams {
-        method: CutMethod::Exact(ExactParams {
-            snap,
-            ..ExactParams::default()
-        }),
+        snap,
         ..CutParams::default()
     };
     params.refine.level = RefinementLevel::Coarser2;
@@ -35,14 +33,15 @@ fn a_tip_of_loose_edges_does_not_vanish() {
         0.979_388_913_557_901,
     ];
     let blade = Blade::Plane(normal, 0.883_901_180_654_020_9);
-    let params = CutParams {
-        method: CutMethod::Paper(PaperParams::default()),
-        ..coarser(0.1)
+    let params = PaperParams {
+        level: RefinementLevel::Coarser2,
+        ..PaperParams::default()
     };
     let mut surface = body.build();
     let sweep = blade.sweep(&surface).expect("a plane");
     let mut cutter = Cutter::new(&surface);
-    let outcome = cut_and_check(&mut surface, &mut cutter, &sweep, &params).expect("a full slice");
+    let outcome = paper_cut_and_check(&mut surface, &mut cutter, &sweep, &params);
+    let outcome = outcome.expect("a full slice");
     assert_eq!(outcome.delta.pieces_added, [(1, 0)], "a tip comes off");
 }
 
@@ -73,9 +72,10 @@ fn the_tip_of_a_cavity_is_a_hole_of_the_section() {
         let d = part * (x * x + y * y + z * z);
         let sweep = Sweep::from_plane([x, y, z], d, &surface.bounds()).expect("a plane");
         let mut cutter = Cutter::new(&surface);
-        let result = cut_and_check(&mut surface, &mut cutter, &sweep, &rebuild());
+        let result =
+            paper_cut_and_check(&mut surface, &mut cutter, &sweep, &PaperParams::default());
         assert!(
-            matches!(result, Err(CutError::NestedSection { .. })),
+            matches!(result, Err(PaperError::NestedSection { .. })),
             "{part} of the way to the tip: {:?}",
             result.map(|outcome| outcome.report)
         );
@@ -112,17 +112,11 @@ fn a_cube_cut_near_a_face_keeps_both_sides() {
     let exact = 0.124;
     let mut body = cube.clone();
     let sweep = Sweep::from_plane(normal, -0.898_312_815_462_6, &body.bounds()).unwrap();
-    let outcome = Cutter::new(&body).cut(&mut body, &sweep, &rebuild());
-    assert!(!outcome.unwrap().is_miss());
+    let mut cutter = Cutter::new(&body);
+    let outcome = incise_paper::cut(&mut cutter, &mut body, &sweep, &PaperParams::default());
+    assert!(!outcome.unwrap().cut.is_miss());
     let smaller = body.piece_volumes().into_iter().fold(1.0, f64::min);
     assert!((smaller - exact).abs() < exact / 2.0, "{smaller}");
-}
-
-fn rebuild() -> CutParams {
-    CutParams {
-        method: CutMethod::Paper(PaperParams::default()),
-        ..CutParams::default()
-    }
 }
 
 /// Snapping collapsed a tip of three triangles to one, which coincided with its cap.
@@ -142,10 +136,7 @@ fn snapping_leaves_a_tip_its_triangles() {
             let mut body = Surface::from_triangles(&corners, &faces).expect("a tetrahedron");
             let sweep = Sweep::from_plane([0.01, 0.02, 1.0], height, &body.bounds());
             let params = CutParams {
-                method: CutMethod::Exact(ExactParams {
-                    snap,
-                    ..ExactParams::default()
-                }),
+                snap,
                 ..CutParams::default()
             };
             let mut cutter = Cutter::new(&body);
@@ -223,10 +214,7 @@ fn a_bent_sweep_through_pieces_side_by_side_follows_its_crease() {
     for blade in blades {
         let sweep = blade.sweep(&surface).expect("a sweep");
         let params = CutParams {
-            method: CutMethod::Exact(ExactParams {
-                snap: 0.0,
-                ..ExactParams::default()
-            }),
+            snap: 0.0,
             ..CutParams::default()
         };
         let cut = cut_and_check(&mut surface, &mut cutter, &sweep, &params);

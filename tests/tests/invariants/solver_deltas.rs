@@ -1,15 +1,18 @@
 //! A solver that applies the deltas of cuts has the constraints of one built from scratch, a valid
 //! coloring, and the same mass and momentum.
 
-use incise_cut::{CutMethod, CutParams, Cutter, ExactParams, PaperParams, Sweep};
+use incise_cut::{CutOutcome, CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, TopologyDelta};
 use incise_models::{Model, build_model};
+use incise_paper::PaperParams;
 use incise_pbd_gpu::{
     ConstraintSet, Density, MAX_COLORS, Material, PatchParams, Solver, SolverParams, Stiffness,
     Volume,
 };
-use incise_refine::{RefineParams, RefinementLevel};
-use incise_tests::{Blade, Body, any_blade, any_body, any_level, cases, cut_and_check};
+use incise_refine::RefinementLevel;
+use incise_tests::{
+    Blade, Body, any_blade, any_body, any_level, cases, cut_and_check, paper_cut_and_check,
+};
 use proptest::prelude::*;
 
 /// Relative rounding of sums of thousands of masses in 32 bits.
@@ -82,20 +85,48 @@ fn follow_delta(solver: &mut Solver, surface: &mut Surface, delta: &TopologyDelt
     }
 }
 
+/// A cut method.
+#[derive(Debug, Clone, Copy)]
+enum Method {
+    Exact { snap: f64, remesh: f64 },
+    Paper,
+}
+
+impl Method {
+    /// Cuts and checks the result; `None` for a refused cut.
+    fn cut(
+        self,
+        surface: &mut Surface,
+        cutter: &mut Cutter,
+        sweep: &Sweep,
+        level: RefinementLevel,
+    ) -> Option<CutOutcome> {
+        match self {
+            Self::Exact { snap, remesh } => {
+                let mut params = CutParams {
+                    snap,
+                    remesh,
+                    ..CutParams::default()
+                };
+                params.refine.level = level;
+                cut_and_check(surface, cutter, sweep, &params).ok()
+            }
+            Self::Paper => {
+                let params = PaperParams {
+                    level,
+                    ..PaperParams::default()
+                };
+                paper_cut_and_check(surface, cutter, sweep, &params).ok()
+            }
+        }
+    }
+}
+
 /// Returns the paper's method and the exact one with and without snapping.
-fn methods() -> impl Strategy<Value = CutParams> {
-    let with = |method| CutParams {
-        method,
-        ..CutParams::default()
-    };
-    let exact = |snap| {
-        with(CutMethod::Exact(ExactParams {
-            snap,
-            ..ExactParams::default()
-        }))
-    };
+fn methods() -> impl Strategy<Value = Method> {
+    let exact = |snap| Method::Exact { snap, remesh: 0.0 };
     prop_oneof![
-        1 => Just(with(CutMethod::Paper(PaperParams::default()))),
+        1 => Just(Method::Paper),
         1 => Just(exact(0.0)),
         2 => Just(exact(0.1)),
     ]
@@ -105,7 +136,7 @@ fn follow(
     body: &Body,
     material: &Material,
     patches: Option<&PatchParams>,
-    blades: &[(Blade, RefinementLevel, CutParams)],
+    blades: &[(Blade, RefinementLevel, Method)],
     steps: usize,
 ) {
     let mut surface = body.build();
@@ -128,17 +159,10 @@ fn follow(
                 .expect("positions stay finite");
         }
         cutter.refit(&surface);
-        let params = CutParams {
-            refine: RefineParams {
-                level: *level,
-                ..RefineParams::default()
-            },
-            ..*method
-        };
         let Ok(sweep) = blade.sweep(&surface) else {
             continue;
         };
-        let Ok(outcome) = cut_and_check(&mut surface, &mut cutter, &sweep, &params) else {
+        let Some(outcome) = method.cut(&mut surface, &mut cutter, &sweep, *level) else {
             continue;
         };
         follow_delta(&mut solver, &mut surface, &outcome.delta, mass);
@@ -172,11 +196,9 @@ proptest! {
 }
 
 /// Returns the exact method with remeshing, which flips edges and removes vertices.
-fn remeshing() -> impl Strategy<Value = CutParams> {
-    (0.0..0.3_f64, 0.01..0.3_f64).prop_map(|(snap, remesh)| CutParams {
-        method: CutMethod::Exact(ExactParams { snap, remesh }),
-        ..CutParams::default()
-    })
+fn remeshing() -> impl Strategy<Value = Method> {
+    let exact = |(snap, remesh)| Method::Exact { snap, remesh };
+    (0.0..0.3_f64, 0.01..0.3_f64).prop_map(exact)
 }
 
 proptest! {
@@ -220,10 +242,7 @@ fn angular_momentum_is_kept_by_exact_cuts_and_undo() {
             }
         };
         let params = CutParams {
-            method: CutMethod::Exact(ExactParams {
-                snap,
-                ..ExactParams::default()
-            }),
+            snap,
             ..CutParams::default()
         };
         let mut undos = Vec::new();
@@ -256,16 +275,13 @@ fn outside_patches<const N: usize>(set: &ConstraintSet<N>) -> f64 {
 #[test]
 fn few_constraints_are_outside_of_patches_after_cuts() {
     // Caps of the exact method have twice the triangles, all of them new.
-    assert_fraction_after_cuts(CutMethod::Paper(PaperParams::default()), [0.01, 0.03]);
-    assert_fraction_after_cuts(CutMethod::default(), [0.01, 0.04]);
+    assert_fraction_after_cuts(Method::Paper, [0.01, 0.03]);
+    let (snap, remesh) = (0.1, 0.0);
+    assert_fraction_after_cuts(Method::Exact { snap, remesh }, [0.01, 0.04]);
 }
 
 /// Cuts four times and bounds the fraction of stretch and bending constraints in no patch.
-fn assert_fraction_after_cuts(method: CutMethod, most: [f64; 2]) {
-    let cut_params = CutParams {
-        method,
-        ..CutParams::default()
-    };
+fn assert_fraction_after_cuts(method: Method, most: [f64; 2]) {
     let mut surface = build_model(Model::Banana);
     let params = PatchParams::default();
     let mut solver = Solver::with_patches(&mut surface, &Material::default(), Some(&params))
@@ -287,7 +303,8 @@ fn assert_fraction_after_cuts(method: CutMethod, most: [f64; 2]) {
             .sum::<f64>();
         let sweep = Sweep::from_plane(normal, d, &bounds).expect("a plane");
         cutter.refit(&surface);
-        let cut = cut_and_check(&mut surface, &mut cutter, &sweep, &cut_params);
+        let level = RefinementLevel::Original;
+        let cut = method.cut(&mut surface, &mut cutter, &sweep, level);
         let outcome = cut.expect("a plane through the middle cuts");
         solver
             .apply_delta(&mut surface, &outcome.delta)

@@ -4,7 +4,7 @@
 //! `INCISE_PLANES` sets the number of planes per mesh.
 
 use crate::reference_table::{Reference, files, reference_cuts, shared_folder};
-use incise_cut::{CutMethod, CutOutcome, CutParams, Cutter, ExactParams, Sweep};
+use incise_cut::{CutOutcome, CutParams, Cutter, Sweep};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{Surface, Vec3, read_mesh};
 use incise_tests::{LARGE, Planes, cut_and_check, euler_characteristics};
@@ -42,10 +42,7 @@ fn load(path: &Path) -> Option<Surface> {
 
 fn params(snap: f64) -> CutParams {
     CutParams {
-        method: CutMethod::Exact(ExactParams {
-            snap,
-            ..ExactParams::default()
-        }),
+        snap,
         ..CutParams::default()
     }
 }

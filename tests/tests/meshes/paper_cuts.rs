@@ -1,11 +1,12 @@
 //! The paper's method on 231 plane cuts, compared with an independent boolean library.
 
 use crate::reference_table::{Reference, reference_cuts, shared_folder};
-use incise_cut::{CutError, CutMethod, CutOutcome, CutParams, Cutter, PaperParams, Sweep};
+use incise_cut::{CutOutcome, Cutter, Sweep};
 use incise_mesh::geometry::{Vec3, area_vector};
 use incise_mesh::{Surface, read_mesh};
-use incise_refine::{RefineParams, RefinementLevel};
-use incise_tests::cut_and_check;
+use incise_paper::{PaperError, PaperParams};
+use incise_refine::RefinementLevel;
+use incise_tests::paper_cut_and_check;
 use libtest_mimic::{Failed, Trial};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -41,17 +42,13 @@ fn test(path: &Path, mesh: &str, rows: &[Reference]) -> Result<(), Failed> {
 fn cut(whole: &Surface, mesh: &str, row: &Reference, level: RefinementLevel) -> Result<(), String> {
     let mut surface = whole.clone();
     let sweep = Sweep::from_plane(row.normal, row.d, &surface.bounds()).expect("a plane");
-    let params = CutParams {
-        method: CutMethod::Paper(PaperParams::default()),
-        refine: RefineParams {
-            level,
-            ..RefineParams::default()
-        },
-        ..CutParams::default()
+    let params = PaperParams {
+        level,
+        ..PaperParams::default()
     };
-    let result = cut_and_check(&mut surface, &mut Cutter::new(whole), &sweep, &params);
+    let result = paper_cut_and_check(&mut surface, &mut Cutter::new(whole), &sweep, &params);
     let outcome = match (result, has_hole(mesh, row.plane)) {
-        (Err(CutError::NestedSection { .. }), true) => return Ok(()),
+        (Err(PaperError::NestedSection { .. }), true) => return Ok(()),
         (Err(error), _) => return Err(error.to_string()),
         (Ok(_), true) => return Err("a section with a hole was cut".to_owned()),
         (Ok(outcome), false) => outcome,

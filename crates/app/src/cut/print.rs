@@ -74,10 +74,9 @@ pub(super) fn print(report: &Report, is_exact: bool, out: &mut impl Write) -> io
     }
     writeln!(
         out,
-        "  {}, {} method, {} refinement",
+        "  {}, {} method",
         counted(report.pieces.len(), "piece"),
-        report.method,
-        report.refine_method
+        report.method
     )?;
     pieces::print(&report.pieces, &report.removed, out)?;
     let (t, cut) = (&report.seconds, &report.cut);

@@ -76,10 +76,7 @@ impl Bodies {
         let mut hits = plan.map(|_| 0);
         let mut origin = None;
         for input in inputs {
-            let (mut surface, found) = match plan {
-                Some(plan) => reading.read_for_cut(input, plan.is_exact())?,
-                None => reading.read_open(input)?,
-            };
+            let (mut surface, found) = reading.read_open(input)?;
             for warning in &found {
                 reporter.warn(format_args!("{}: {warning}", input.display()));
             }

@@ -176,7 +176,6 @@ impl SceneFile {
         let entries = entries.map(|(name, value)| (name.clone(), value.clone()));
         let set = params.set_value(&Value::Map(entries.collect()));
         let set = set.and_then(|()| Ok(params.check_ranges()?));
-        let set = set.and_then(|()| params.check_given(self.params.keys().map(String::as_str)));
         set.map_err(|source| self.refuse_parameter(source))?;
         params.solver.ground = self.ground(params.solver.ground, origin);
         Ok(params)

@@ -67,7 +67,7 @@ fn quiet_commands_print_json_and_errors_only() {
 fn completions_name_commands_and_options() {
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
         let [script, _] = outputs(&["completions", shell, "--quiet"]);
-        for word in ["simulate", "refine-method", "quiet"] {
+        for word in ["simulate", "max-triangles", "quiet"] {
             assert!(script.contains(word), "{shell}: {word}");
         }
     }

@@ -29,11 +29,7 @@ fn invalid_input_is_an_error() {
     refused(&["--level", "2x-finer"], 2, "--plane");
     refused(&["--plane", "0,0,0,1"], 2, "no area");
     refused(&["--without", "1"], 2, "the image has 1 piece,");
-    refused(
-        &["--plane", "1,0,0,0", "--method", "paper", "--snap", "0.1"],
-        2,
-        "snap has no meaning with 'paper'",
-    );
+    refused(&["--plane", "1,0,0,0", "--method", "paper"], 2, "--method");
     refused(&["-o", "a.jpg"], 2, "only .png");
     refused(&["-o", "none/such/folder.png"], 3, "folder.png");
     refused(&["nothing.obj"], 1, "nothing.obj");

@@ -204,10 +204,6 @@ fn errors_name_the_line_and_write_nothing() {
             "line 2: there is no parameter 'substep'; the names are dt, solver.iterations",
         ),
         (
-            format!("seconds = 1\nmethod = \"paper\"\nsnap = 0.2\n{body}"),
-            "line 3: snap has no meaning with 'paper'",
-        ),
-        (
             format!(
                 "seconds = 1\n{body}[[colliders]]\nsphere = {{ center = [0, 0, 0], radius = 0 }}\n"
             ),

@@ -2,11 +2,11 @@
 
 use super::AccuracyOutput;
 use crate::measure::{Budget, measure};
-use incise_cut::{
-    CutError, CutMethod, CutOutcome, CutParams, Cutter, ExactParams, PaperParams, Sweep,
-};
+use crate::method::{Method, Refusal};
+use incise_cut::{CutOutcome, CutParams, Cutter, Sweep};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{Surface, TriangleId, Vec3, cube_sphere, torus};
+use incise_paper::PaperParams;
 use serde::Serialize;
 use std::error::Error;
 use std::f64::consts::PI;
@@ -95,12 +95,14 @@ impl Shape {
     /// Cuts by the exact method with a snap distance, or by the paper's.
     fn measure(&self, snap: Option<f64>) -> Result<CutRow, Box<dyn Error>> {
         let (name, method) = match snap {
-            Some(snap) => ("exact", CutMethod::Exact(ExactParams { snap, remesh: 0.0 })),
-            None => ("paper", CutMethod::Paper(PaperParams::default())),
-        };
-        let params = CutParams {
-            method,
-            ..CutParams::default()
+            Some(snap) => {
+                let params = CutParams {
+                    snap,
+                    ..CutParams::default()
+                };
+                ("exact", Method::Exact(params))
+            }
+            None => ("paper", Method::Paper(PaperParams::default())),
         };
         let n: [f64; 3] = self.normal.into();
         let sweep = Sweep::from_plane(n, self.offset, &self.surface.bounds())?;
@@ -108,9 +110,9 @@ impl Shape {
         let times = measure(&Budget::runs(REPEATS), |times| {
             let mut surface = self.surface.clone();
             let mut cutter = Cutter::new(&surface);
-            let outcome = times.time(|| cutter.cut(&mut surface, &sweep, &params))?;
+            let outcome = times.time(|| method.cut(&mut cutter, &mut surface, &sweep))?;
             done = Some((surface, outcome));
-            Ok::<(), CutError>(())
+            Ok::<(), Refusal>(())
         })?;
         let (after, outcome) = done.ok_or("there are no repeats")?;
         let triangles = |surface: &Surface| surface.topology().triangles().collect::<Vec<_>>();

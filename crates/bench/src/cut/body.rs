@@ -1,9 +1,10 @@
 //! A body that is cut and restored.
 
 use super::times::Times;
+use crate::method::{Method, Refusal};
 use crate::motion;
 use crate::statistics::median;
-use incise_cut::{CutError, CutParams, Cutter, Sweep};
+use incise_cut::{Cutter, Sweep};
 use incise_mesh::{Surface, TriangleId, Undo};
 use incise_pbd_gpu::Solver;
 use incise_scene::follow_cut;
@@ -63,11 +64,11 @@ impl CutBody {
     fn timed_cut(
         &mut self,
         sweep: &Sweep,
-        params: &CutParams,
-    ) -> Result<Result<Option<Cut>, CutError>, Box<dyn Error>> {
+        method: &Method,
+    ) -> Result<Result<Option<Cut>, Refusal>, Box<dyn Error>> {
         // The solver has changed inverse masses, which share an array with positions.
         self.cutter.refit_moved(&self.surface, &[]);
-        let outcome = match self.cutter.cut(&mut self.surface, sweep, params) {
+        let outcome = match method.cut(&mut self.cutter, &mut self.surface, sweep) {
             Ok(outcome) => outcome,
             Err(error) => return Ok(Err(error)),
         };
@@ -86,8 +87,8 @@ impl CutBody {
     }
 
     /// Cuts and keeps the cut; a failed cut changes nothing.
-    pub(super) fn cut(&mut self, sweep: &Sweep, params: &CutParams) -> Result<(), Box<dyn Error>> {
-        self.timed_cut(sweep, params).map(|_| ())
+    pub(super) fn cut(&mut self, sweep: &Sweep, method: &Method) -> Result<(), Box<dyn Error>> {
+        self.timed_cut(sweep, method).map(|_| ())
     }
 
     /// Cuts, records the outcome and undoes the cut: cheaper than a copy, and buffers keep their
@@ -98,10 +99,10 @@ impl CutBody {
     pub(super) fn probe(
         &mut self,
         (sweep, plane): (&Sweep, [f64; 4]),
-        params: &CutParams,
+        method: &Method,
         outcomes: &mut Outcomes,
     ) -> Result<(), Box<dyn Error>> {
-        match self.timed_cut(sweep, params)? {
+        match self.timed_cut(sweep, method)? {
             Ok(Some(cut)) => {
                 outcomes.times.push(cut.times);
                 outcomes.hits.push(cut.hits as f64);

@@ -6,10 +6,10 @@
 
 use super::body::{CutBody, Outcomes};
 use super::times::Times;
-use incise_cut::{CutParams, Sweep};
+use crate::method::Method;
+use incise_cut::Sweep;
 use incise_mesh::{TriangleId, Vec3, cube_sphere};
 use incise_models::scenes::Directions;
-use incise_refine::RefineParams;
 use serde::Serialize;
 use std::error::Error;
 
@@ -50,24 +50,12 @@ pub(super) struct Row {
 ///
 /// # Errors
 /// An error of the solver or of an undo, or a body too small for another slice.
-pub(super) fn measure(
-    params: &CutParams,
-    cuts: u32,
-    seed: u64,
-) -> Result<Vec<Row>, Box<dyn Error>> {
+pub(super) fn measure(method: Method, cuts: u32, seed: u64) -> Result<Vec<Row>, Box<dyn Error>> {
     let mut body = CutBody::new(cube_sphere(QUADS, 0.5))?;
     let mut directions = Directions(seed);
     // The ball keeps its piece number: it has the most triangles.
     let piece = body.surface.piece(TriangleId(0));
-    // With coarser caps, no slice would hit as many triangles after a few hundred others.
-    let params = CutParams {
-        only_piece: Some(piece),
-        refine: RefineParams {
-            grading: 0.0,
-            ..params.refine
-        },
-        ..*params
-    };
+    let method = method.only(piece);
     let bounds = body.surface.bounds();
     let mut near = body.surface.piece_bound();
     let mut rows: Vec<Row> = Vec::new();
@@ -76,7 +64,7 @@ pub(super) fn measure(
             return Err(format!("after {cut} cuts no slice hits {HITS} triangles").into());
         };
         // A failed cut shows among the measured slices.
-        body.cut(&Sweep::from_plane(normal.into(), d, &bounds)?, &params)?;
+        body.cut(&Sweep::from_plane(normal.into(), d, &bounds)?, &method)?;
         if !STAGES.contains(&cut) && cut != cuts {
             continue;
         }
@@ -90,7 +78,7 @@ pub(super) fn measure(
         for (normal, d) in slices {
             let sweep = Sweep::from_plane(normal.into(), d, &bounds)?;
             let plane = [normal.x, normal.y, normal.z, d];
-            body.probe((&sweep, plane), &params, &mut outcomes)?;
+            body.probe((&sweep, plane), &method, &mut outcomes)?;
         }
         let [ms_median, ms_p99] = [50, 99].map(|p| Times::percentile(&outcomes.times, p));
         let first = rows.first().map_or(ms_p99, |row| row.ms_p99);

@@ -2,8 +2,8 @@
 
 use super::body::{CutBody, Outcomes};
 use super::times::Times;
+use crate::method::Method;
 use crate::workload::Workload;
-use incise_cut::CutParams;
 use incise_models::scenes::RelativePlane;
 use serde::Serialize;
 use std::error::Error;
@@ -39,7 +39,7 @@ pub(super) struct Row {
 /// An error of the solver or of an undo; errors of cuts are recorded.
 pub(super) fn measure(
     workload: &Workload,
-    params: &CutParams,
+    method: &Method,
     planes: u32,
     seed: u64,
 ) -> Result<Vec<Row>, Box<dyn Error>> {
@@ -50,7 +50,7 @@ pub(super) fn measure(
         for plane in planes {
             let (sweep, d) = plane.sweep(&body.surface)?;
             let [x, y, z] = plane.normal.into();
-            body.probe((&sweep, [x, y, z, d]), params, &mut outcomes)?;
+            body.probe((&sweep, [x, y, z, d]), method, &mut outcomes)?;
         }
         Ok(outcomes)
     };

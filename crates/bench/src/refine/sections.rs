@@ -4,7 +4,7 @@ use super::Parameters;
 use crate::measure::{Budget, measure};
 use crate::statistics::{mean, median, percentile, sorted};
 use crate::workload::Workload;
-use incise_cut::{CutMethod, CutParams, Cutter, ExactParams};
+use incise_cut::{CutParams, Cutter};
 use incise_mesh::Surface;
 use incise_models::scenes::RelativePlane;
 use incise_refine::{
@@ -80,10 +80,7 @@ pub(super) fn cut(
     let mut all = Vec::new();
     for &level in levels {
         let params = CutParams {
-            method: CutMethod::Exact(ExactParams {
-                snap: parameters.snap,
-                ..ExactParams::default()
-            }),
+            snap: parameters.snap,
             refine: RefineParams {
                 level,
                 grading: parameters.grading,

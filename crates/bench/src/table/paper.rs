@@ -1,6 +1,7 @@
 //! The paper's Table 1.
 
 use incise_models::Model;
+use incise_paper::TABLE_1;
 use serde::Serialize;
 
 /// One row of the paper's table, or the ratios of another to it.
@@ -14,21 +15,14 @@ pub(super) struct PaperRow {
 
 impl PaperRow {
     /// Returns the paper's numbers for a model.
-    pub(super) const fn of(model: Model) -> Self {
-        let (pbd_fps, pbd_cs_fps, fps_difference_percent, cut_ms) = match model {
-            Model::Sphere20 => (231.8, 205.9, 11.17, 11.33),
-            Model::Sphere80 => (231.3, 177.2, 23.39, 12.66),
-            Model::Sphere768 => (158.6, 108.4, 31.65, 21.66),
-            Model::Bunny => (135.6, 79.9, 41.08, 29.33),
-            Model::Octopus => (103.2, 51.7, 49.9, 38.0),
-            Model::Banana => (72.9, 32.1, 55.97, 80.0),
-            Model::Armadillo => (9.9, 5.2, 47.47, 239.33),
-        };
+    pub(super) fn of(model: Model) -> Self {
+        let row = TABLE_1.iter().find(|row| row.model == model.name());
+        let row = row.expect("the table has every model");
         Self {
-            pbd_fps,
-            pbd_cs_fps,
-            fps_difference_percent,
-            cut_ms,
+            pbd_fps: row.pbd_fps,
+            pbd_cs_fps: row.pbd_cs_fps,
+            fps_difference_percent: row.fps_difference_percent,
+            cut_ms: row.cut_ms,
         }
     }
 

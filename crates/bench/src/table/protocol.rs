@@ -5,6 +5,9 @@
 //! body starts with a spin and a squeeze: a hollow surface with stretch and bending alone collapses
 //! under gravity.
 //!
+//! The scene's blade cuts by the exact method. The paper's method cuts the body in the same place of
+//! the frame with [`Scene::cut_with`], while the blade rests, and the same stages are timed.
+//!
 //! On a GPU a frame ends when the GPU is done; the first, which compiles kernels, is not timed. Far
 //! sweeps are skipped by the body's box, because a body that is read back every frame would not
 //! stay on the GPU. The time of a cut includes readback and upload. Errors are sampled before each
@@ -13,13 +16,15 @@
 use super::Parameters;
 use super::paper::PaperRow;
 use crate::measure::{Times, allocations};
+use crate::method::Method;
 use crate::models::Loaded;
 use crate::motion;
 use crate::statistics::mean;
-use incise_cut::Sweep;
+use incise_cut::{CutOutcome, Sweep};
 use incise_mesh::geometry::{area_vector, to_f32};
 use incise_mesh::{AngleStats, Surface, Vec3};
 use incise_models::scenes::Directions;
+use incise_paper::{PaperError, PaperParams};
 use incise_pbd_gpu::{InteriorSprings, Material, Volume};
 use incise_scene::{
     BackendRequest, BladeId, BladeMode, Body, BodyId, FrameStats, Scene, SceneError,
@@ -205,11 +210,26 @@ fn run_scene(
             readback = begin.elapsed();
             run.sample(scene.body(body)?);
         }
+        let mut by_paper = None;
         if let Some(blade) = blade {
             if slices {
-                let sweep = aim(&mut scene, body, blade, &mut directions)?;
-                let [_, after] = sweep.ends();
-                scene.move_blade(blade, after)?;
+                let (sweep, piece) = aim(&mut scene, body, blade, &mut directions)?;
+                match parameters.caps.method() {
+                    Method::Exact(_) => {
+                        let [_, after] = sweep.ends();
+                        scene.move_blade(blade, after)?;
+                    }
+                    Method::Paper(params) => {
+                        let only_piece = Some(piece);
+                        by_paper = Some((
+                            sweep,
+                            PaperParams {
+                                only_piece,
+                                ..params
+                            },
+                        ));
+                    }
+                }
             } else {
                 scene.set_blade_piece(blade, None)?;
                 scene.move_blade(blade, hover(diagonal, frame))?;
@@ -222,11 +242,17 @@ fn run_scene(
         };
         let begin = Instant::now();
         scene.cut()?;
+        let cut = match by_paper {
+            Some((sweep, params)) => Some(scene.cut_with(body, &sweep, |cutter, surface| {
+                incise_paper::cut(cutter, surface, &sweep, &params).map(|outcome| outcome.cut)
+            })?),
+            None => None,
+        };
         let mut work = begin.elapsed();
         // Caps are judged before they move.
         if slices {
             work += readback;
-            judge_caps(&scene, body, &mut run)?;
+            judge_caps(&scene, body, cut.as_ref(), &mut run)?;
         }
         let begin = Instant::now();
         scene.advance()?;
@@ -294,13 +320,13 @@ fn set_up(
 }
 
 /// Puts the blade at the start of a sweep through the middle of the largest piece; returns the
-/// sweep.
+/// sweep and the piece.
 fn aim(
     scene: &mut Scene,
     body: BodyId,
     blade: BladeId,
     directions: &mut Directions,
-) -> Result<Sweep, Box<dyn Error>> {
+) -> Result<(Sweep, u32), Box<dyn Error>> {
     let surface = scene.body(body)?.surface();
     let volumes = surface.piece_volumes();
     let largest = (0u32..)
@@ -311,10 +337,10 @@ fn aim(
     let bounds = piece.bounds();
     let normal = directions.next_unit();
     let sweep = Sweep::from_plane(normal.into(), normal.dot(&middle(&piece)), &bounds)?;
-    let [before, _] = sweep.ends();
+    let [before, after] = sweep.ends();
     scene.teleport_blade(blade, before)?;
     scene.set_blade_piece(blade, Some(largest))?;
-    Ok(sweep)
+    Ok((Sweep::new(before, after)?, largest))
 }
 
 /// Returns the area-weighted middle of a surface \[m\].
@@ -329,9 +355,20 @@ fn middle(surface: &Surface) -> Vec3 {
     sum / area
 }
 
-fn judge_caps(scene: &Scene, body: BodyId, run: &mut Run) -> Result<(), SceneError> {
+/// Records the angles of caps, and the reason why the paper's method refused a cut.
+fn judge_caps(
+    scene: &Scene,
+    body: BodyId,
+    by_paper: Option<&Result<CutOutcome, PaperError>>,
+    run: &mut Run,
+) -> Result<(), SceneError> {
     let surface = scene.body(body)?.surface();
-    for (_, outcome) in scene.cuts().iter().filter_map(|sweep| sweep.cut.as_ref()) {
+    if let Some(Err(error)) = by_paper {
+        run.refused.push(error.to_string());
+    }
+    let cuts = scene.cuts().iter().filter_map(|sweep| sweep.cut.as_ref());
+    let outcomes = cuts.map(|(_, outcome)| outcome);
+    for outcome in outcomes.chain(by_paper.into_iter().flatten()) {
         let cap = outcome.cap.iter().map(|&t| surface.triangle_positions(t));
         run.cap_min_angle = run.cap_min_angle.min(AngleStats::from_triangles(cap).min);
     }
@@ -382,4 +419,40 @@ fn rest_volume(surface: &Surface) -> f64 {
 )]
 pub(super) fn nearest(x: f64) -> u32 {
     x.round() as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::TableArguments;
+    use super::*;
+    use crate::models;
+    use clap::Parser;
+    use incise_scene::BackendChoice;
+
+    #[derive(Parser)]
+    struct Program {
+        #[command(flatten)]
+        table: TableArguments,
+    }
+
+    #[test]
+    fn each_method_slices_once_a_second() {
+        let request = BackendRequest {
+            choice: BackendChoice::Cpu,
+            ..BackendRequest::default()
+        };
+        for method in ["exact", "paper"] {
+            let line = ["table", "--only", "Sphere80", "--method", method];
+            let arguments = Program::parse_from(line).table;
+            let mut parameters = arguments.parameters;
+            parameters.seconds = 2.5;
+            let loaded = models::load(&arguments.models).unwrap();
+            let (_, row) = run(&loaded[0], &parameters, &request, &|| ()).unwrap();
+            assert_eq!((row.cuts, row.cuts_refused.len()), (2, 0), "{method}");
+            assert!(row.cut_ms_mean > 0.0 && row.cap_min_angle_deg.is_finite());
+            // The paper's method removes the triangles that the blade hits.
+            let has_lost_volume = row.volume_error_percent > 0.1;
+            assert_eq!(has_lost_volume, method == "paper", "{row:?}");
+        }
+    }
 }

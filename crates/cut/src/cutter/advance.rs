@@ -45,8 +45,7 @@ impl Cutter {
     ///
     /// # Errors
     /// [`CutError`]; [`CutError::PartialCut`] if the sweep's boundary lies inside the body as a
-    /// whole, [`CutError::IncisionByPaper`] for the paper's method. The surface is then bit for bit
-    /// what it was.
+    /// whole. The surface is then bit for bit what it was.
     pub fn incise(
         &mut self,
         surface: &mut Surface,

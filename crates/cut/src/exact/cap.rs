@@ -66,8 +66,7 @@ impl Cap {
         for i in 0..self.section.sections().len() {
             let mesh = (self.section).triangulate(i, rims, topology, refine, is_refined)?;
             // A disc has no inner points.
-            has_converged &=
-                mesh.report.self_intersecting_loops == 0 && mesh.report.unconverged == 0;
+            has_converged &= mesh.report.self_intersecting_loops == 0;
             self.meshes.push(mesh);
         }
         self.group_curves(rims);

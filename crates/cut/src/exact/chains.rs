@@ -17,7 +17,6 @@ use super::rest::RestMap;
 use super::rim::Rim;
 use crate::blade_position::is_in_body;
 use crate::error::CutError;
-use crate::interpolate::add_vertex;
 use crate::intersection::facets::Facets;
 use crate::intersection::node::Node;
 use crate::intersection::trace::Curve;
@@ -253,7 +252,7 @@ impl Chains {
             let mut add = |side: usize| {
                 let [a, b] = vertices.map(|v| v[side]);
                 let parents = [a, b, a];
-                add_vertex(edit, position, VertexOrigin::OnCap { parents, weights })
+                edit.add_interpolated_vertex(position, VertexOrigin::OnCap { parents, weights })
             };
             let below = add(0);
             let above = if is_tip { below } else { add(1) };

@@ -2,10 +2,9 @@
 
 use super::open::Sides;
 use super::rim::Rim;
-use crate::interpolate::Chart;
 use crate::intersection::node::{Node, On};
 use incise_mesh::geometry::area_vector;
-use incise_mesh::{Edit, HalfEdge, Topology, Vec3};
+use incise_mesh::{CornerValues, Edit, HalfEdge, Surface, Topology, Vec3};
 
 /// Rounding error of a stored coordinate [of the coordinate].
 const ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
@@ -197,4 +196,25 @@ pub(super) fn flatness([a, b, c]: [Vec3; 3]) -> (Vec3, bool) {
 /// Returns the signed volume between triangle `from`, `b`, `c` and triangle `to`, `b`, `c`.
 pub(super) fn swept_volume([from, b, c]: [Vec3; 3], to: Vec3) -> f64 {
     (to - from).dot(&(b - from).cross(&(c - from))) / 6.0
+}
+
+/// Attribute values of a vertex in one chart, before and after it moves.
+///
+/// Corners with the old value get the new one. Other charts keep theirs.
+struct Chart {
+    from: CornerValues,
+    to: CornerValues,
+}
+
+impl Chart {
+    /// Corner `from` has the old values, corner `to` those at the new position.
+    fn new(surface: &Surface, from: HalfEdge, to: HalfEdge) -> Self {
+        let [from, to] = [from, to].map(|h| surface.corner_values(h));
+        Self { from, to }
+    }
+
+    /// Updates a corner of the vertex if it belongs to this chart.
+    fn update(&self, edit: &mut Edit<'_>, h: HalfEdge) {
+        edit.replace_corner_values(h, &self.from, &self.to);
+    }
 }

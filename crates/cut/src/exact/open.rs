@@ -2,11 +2,10 @@
 
 use super::split::{Corner, EdgeRole, Hit, Part, Splitter};
 use crate::error::CutError;
-use crate::interpolate::{OldTriangle, add_vertex};
 use crate::intersection::facets::{ContinuedTip, Facets};
 use crate::intersection::node::{Node, On};
 use crate::intersection::trace::Trace;
-use incise_mesh::{Edit, HalfEdge, Surface, TriangleId, VertexId};
+use incise_mesh::{Edit, HalfEdge, Surface, TriangleCorners, TriangleId, VertexId};
 
 /// Both sides of the rim. Side 0 is below the sweep, side 1 above it.
 #[derive(Debug, Clone, Default)]
@@ -26,7 +25,7 @@ pub(crate) struct Sides {
 /// A hit triangle before the cut, and the half-edges of its parts.
 #[derive(Debug, Clone)]
 struct Seam {
-    old: OldTriangle,
+    old: TriangleCorners,
     /// Half-edges of the neighbors.
     beyond: [HalfEdge; 3],
     piece: u32,
@@ -51,12 +50,12 @@ impl Sides {
         for node in &trace.nodes {
             let first = match node.on {
                 On::Tip(vertex) => vertex,
-                _ => add_vertex(edit, node.position, node.origin()),
+                _ => edit.add_interpolated_vertex(node.position, node.origin()),
             };
             let second = if node.is_end {
                 first
             } else {
-                add_vertex(edit, node.position, node.origin())
+                edit.add_interpolated_vertex(node.position, node.origin())
             };
             self.vertices.push([first, second]);
         }
@@ -70,7 +69,7 @@ impl Sides {
         let mut seams = std::mem::take(&mut self.seams);
         let replaced = hits().zip(&mut seams).try_for_each(|(chords, seam)| {
             let hit = Hit {
-                vertices: seam.old.corners,
+                vertices: seam.old.vertices,
                 corners: edit.surface().triangle_positions(seam.old.triangle),
                 beyond: seam.beyond,
                 chords,
@@ -147,7 +146,7 @@ impl Sides {
         self.added.clear();
         for part in parts {
             let corners = part.corners.map(|corner| match corner {
-                Corner::Old(k) => seam.old.corners[k],
+                Corner::Old(k) => seam.old.vertices[k],
                 Corner::Node { node, side } => self.vertices[node as usize][side],
             });
             check_corners(corners)?;
@@ -159,7 +158,7 @@ impl Sides {
             for (h, corner) in t.half_edges().into_iter().zip(part.corners) {
                 let weights = match corner {
                     Corner::Old(k) => [0, 1, 2].map(|i| if i == k { 1.0 } else { 0.0 }),
-                    Corner::Node { node, .. } => nodes[node as usize].weights_in(seam.old.corners),
+                    Corner::Node { node, .. } => nodes[node as usize].weights_in(seam.old.vertices),
                 };
                 seam.old.interpolate(edit, h, weights);
             }
@@ -223,7 +222,7 @@ pub(super) fn check_corners([a, b, c]: [VertexId; 3]) -> Result<(), CutError> {
 impl Seam {
     fn of(surface: &Surface, triangle: TriangleId) -> Self {
         Self {
-            old: OldTriangle::new(surface, triangle),
+            old: TriangleCorners::new(surface, triangle),
             beyond: triangle.half_edges().map(|h| surface.topology().twin(h)),
             piece: surface.piece(triangle),
             material: surface.material(triangle),

@@ -310,14 +310,12 @@ impl CrossSection {
     ) -> Result<SectionMesh, RefineError> {
         let own = &self.sections[i];
         let params = SectionMeshParams {
-            method: refine.method,
             size: if is_refined {
                 SectionMeshSize::Local(&own.lengths)
             } else {
                 SectionMeshSize::Any
             },
             grading: refine.grading,
-            max_rounds: refine.max_rounds,
             max_triangles: refine.max_triangles,
             ..SectionMeshParams::default()
         };

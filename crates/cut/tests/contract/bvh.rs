@@ -1,6 +1,6 @@
 //! The BVH of a `Cutter` through cuts, undo and motion, compared with a fresh one and brute force.
 
-use incise_cut::{CutMethod, CutParams, Cutter, PaperParams, Sweep};
+use incise_cut::{CutParams, Cutter, Sweep};
 use incise_mesh::geometry::round_to_f32;
 use incise_mesh::{Bvh, Surface, TriangleId, VertexId, cube_sphere, torus};
 use incise_refine::{RefineParams, RefinementLevel};
@@ -228,11 +228,8 @@ proptest! {
             match random.below(3) {
                 0 => {
                     let sweep = plane(&mut random, &surface);
-                    let paper = CutMethod::Paper(PaperParams::default());
-                    let method = [CutMethod::default(), paper][random.below(2)];
-                    let params = CutParams { method, ..CutParams::default() };
                     // A cut that fails changes nothing.
-                    let done = cutter.cut(&mut surface, &sweep, &params);
+                    let done = cutter.cut(&mut surface, &sweep, &CutParams::default());
                     cutter.bvh().validate(&surface).unwrap();
                     if let Some(undo) = done.ok().and_then(|outcome| outcome.undo)
                         && random.below(2) == 0

@@ -1,16 +1,13 @@
 //! Checks of cut surfaces that several tests share.
 
-use incise_cut::{CutMethod, CutParams, ExactParams};
+use incise_cut::CutParams;
 use incise_mesh::Surface;
 use std::collections::BTreeMap;
 
-/// Returns parameters of the exact method.
+/// Returns parameters with a snapping distance.
 pub(crate) fn params(snap: f64) -> CutParams {
     CutParams {
-        method: CutMethod::Exact(ExactParams {
-            snap,
-            ..ExactParams::default()
-        }),
+        snap,
         ..CutParams::default()
     }
 }

@@ -1,14 +1,11 @@
 //! Invariants of single cuts by the exact method.
 
-use incise_cut::{CutError, CutMethod, CutParams, Cutter, ExactParams, Sweep};
+use incise_cut::{CutError, CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, cube_sphere, icosphere, torus};
 
 fn params(snap: f64) -> CutParams {
     CutParams {
-        method: CutMethod::Exact(ExactParams {
-            snap,
-            ..ExactParams::default()
-        }),
+        snap,
         ..CutParams::default()
     }
 }

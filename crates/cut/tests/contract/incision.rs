@@ -1,7 +1,7 @@
 //! Incisions: sweeps that end inside the body.
 
 use crate::common::{check, params};
-use incise_cut::{CutError, CutMethod, CutOutcome, CutParams, Cutter, Sweep};
+use incise_cut::{CutError, CutOutcome, Cutter, Sweep};
 use incise_mesh::{Surface, TriangleId, cube_sphere, icosphere, torus};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -324,19 +324,6 @@ fn regressions_of_strips() {
     ] {
         let _ = incise(&ring, &curved_stroke(n, seed, depth, bend, half), 0.1);
     }
-}
-
-#[test]
-fn the_paper_cuts_full_slices_only() {
-    let mut body = icosphere(3, 0.5);
-    let before = body.clone();
-    let params = CutParams {
-        method: CutMethod::Paper(Default::default()),
-        ..CutParams::default()
-    };
-    let result = Cutter::new(&body).incise(&mut body, &stroke(-1.0, 0.1), &params);
-    assert!(matches!(result, Err(CutError::IncisionByPaper { .. })));
-    assert_eq!(body, before);
 }
 
 proptest! {

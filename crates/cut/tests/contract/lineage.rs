@@ -1,6 +1,6 @@
 //! The vertices of a cut surface lie between their parents, through any number of cuts.
 
-use incise_cut::{CutMethod, CutParams, Cutter, ExactParams, Sweep};
+use incise_cut::{CutParams, Cutter, Sweep};
 use incise_mesh::geometry::to_f64;
 use incise_mesh::{Lineage, Vec3, icosphere};
 
@@ -13,10 +13,8 @@ fn positions_follow_from_the_weights_of_the_parents() {
     let mut cutter = Cutter::new(&surface);
     // Without snapping no old vertex moves.
     let params = CutParams {
-        method: CutMethod::Exact(ExactParams {
-            snap: 0.0,
-            remesh: 0.0,
-        }),
+        snap: 0.0,
+        remesh: 0.0,
         ..CutParams::default()
     };
     for normal in [[0.1, 1.0, 0.2], [1.0, 0.3, 0.1], [-0.3, 0.2, 1.0]] {

@@ -5,6 +5,7 @@ mod common;
 mod curved;
 mod exact;
 mod incision;
+mod intersect;
 mod lineage;
 mod mesh_planes;
 mod misuse;

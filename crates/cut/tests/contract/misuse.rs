@@ -1,6 +1,6 @@
 //! Misuse of a [`Cutter`] is an error that names the remedy: never a panic, never a silent miss.
 
-use incise_cut::{CutError, CutMethod, CutParams, Cutter, PaperParams, Sweep};
+use incise_cut::{CutError, CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, TriangleId, icosphere, torus};
 
 fn body() -> Surface {
@@ -12,21 +12,14 @@ fn plane() -> Sweep {
     Sweep::from_plane([0.2, 1.0, 0.3], 0.03, &body().bounds()).expect("a plane")
 }
 
-/// Asserts that both methods refuse a cut with `expected` and change nothing.
+/// Asserts that a cut and a preview are refused with `expected` and change nothing.
 fn assert_refused(surface: &mut Surface, cutter: &mut Cutter, expected: &CutError) {
-    for method in [
-        CutMethod::default(),
-        CutMethod::Paper(PaperParams::default()),
-    ] {
-        let params = CutParams {
-            method,
-            ..CutParams::default()
-        };
-        let fingerprint = surface.fingerprint();
-        let result = cutter.cut(surface, &plane(), &params);
-        assert_eq!(result.as_ref().err(), Some(expected), "{method:?}");
-        assert_eq!(surface.fingerprint(), fingerprint, "the surface changed");
-    }
+    let preview = cutter.intersect(surface, &plane(), None);
+    assert_eq!(preview.err().as_ref(), Some(expected), "a preview");
+    let fingerprint = surface.fingerprint();
+    let result = cutter.cut(surface, &plane(), &CutParams::default());
+    assert_eq!(result.as_ref().err(), Some(expected), "a cut");
+    assert_eq!(surface.fingerprint(), fingerprint, "the surface changed");
 }
 
 /// Asserts that a cut succeeds after a refit, as the error advises.

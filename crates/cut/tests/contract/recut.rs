@@ -1,6 +1,6 @@
 //! Cuts along a sweep that cut the surface before, and along faces that are flush with it.
 
-use incise_cut::{CutMethod, CutParams, Cutter, ExactParams, Sweep};
+use incise_cut::{CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, Vec3, cube_sphere, icosphere, torus};
 use incise_refine::{RefineParams, RefinementLevel};
 use std::collections::BTreeMap;
@@ -10,7 +10,8 @@ const NORMALS: [[f64; 3]; 3] = [[0.3, 0.7, 0.6], [-0.8, 0.1, 0.5], [0.05, -0.2, 
 
 fn params(snap: f64, remesh: f64, level: RefinementLevel) -> CutParams {
     CutParams {
-        method: CutMethod::Exact(ExactParams { snap, remesh }),
+        snap,
+        remesh,
         refine: RefineParams {
             level,
             ..RefineParams::default()

@@ -1,7 +1,7 @@
 //! Sheets: surfaces with a boundary, which are slit without walls.
 
 use crate::common::{check, check_manifold, params};
-use incise_cut::{Caps, CutError, CutMethod, CutOutcome, CutParams, Cutter, Incision, Sweep};
+use incise_cut::{Caps, CutError, CutOutcome, CutParams, Cutter, Incision, Sweep};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{Surface, TriangleId, icosphere, sheet, torus};
 use proptest::prelude::*;
@@ -77,21 +77,6 @@ fn a_slit_shares_its_ends() {
         "{refused:?}"
     );
     assert_eq!(surface, whole);
-}
-
-#[test]
-fn the_papers_method_refuses_borders() {
-    let mut surface = sheet([1.0, 1.0], [17, 13]);
-    let params = CutParams {
-        method: CutMethod::Paper(incise_cut::PaperParams::default()),
-        ..params(0.1)
-    };
-    let sweep = upright([-0.7, 0.03], [0.7, 0.11]);
-    let refused = Cutter::new(&surface).cut(&mut surface, &sweep, &params);
-    assert!(
-        matches!(refused, Err(CutError::OpenSurface { .. })),
-        "{refused:?}"
-    );
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Cuts have the same bits on any number of threads.
 
-use incise_cut::{CutError, CutMethod, CutParams, Cutter, ExactParams, Sweep};
+use incise_cut::{CutError, CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, cube_sphere, torus};
 use std::num::NonZeroUsize;
 
@@ -22,12 +22,8 @@ fn cuts(mut surface: Surface, params: &CutParams, threads: Option<usize>) -> Sur
 
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
-    let sharp = CutMethod::Exact(ExactParams {
-        snap: 0.0,
-        remesh: 0.0,
-    });
     let sharp = CutParams {
-        method: sharp,
+        snap: 0.0,
         ..CutParams::default()
     };
     for params in [CutParams::default(), sharp] {

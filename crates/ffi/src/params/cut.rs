@@ -2,18 +2,8 @@
 
 use crate::memory::count;
 use crate::status::Error;
-use incise::cut::{self, Caps, CutMethod, ExactParams, PaperParams};
-use incise::refine::{HoleParams, RefineMethod, RefineParams, RefinementLevel};
-
-/// Splits the hit triangles along the sweep.
-pub const INCISE_METHOD_EXACT: u32 = 0;
-/// Rebuilds the boundary by the paper's listings. Closed bodies and full slices only.
-pub const INCISE_METHOD_PAPER: u32 = 1;
-
-/// Caps by constrained Delaunay triangulation.
-pub const INCISE_REFINE_DELAUNAY: u32 = 0;
-/// Caps by the paper's listings.
-pub const INCISE_REFINE_PAPER: u32 = 1;
+use incise::cut::{self, Caps};
+use incise::refine::{HoleParams, RefineParams, RefinementLevel};
 
 /// Closes cut bodies; a piece with a boundary is a sheet and stays open.
 pub const INCISE_CAPS_BODIES: u32 = 0;
@@ -26,15 +16,11 @@ pub const INCISE_CAPS_NONE: u32 = 2;
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CutParams {
-    /// `INCISE_METHOD_EXACT` or `INCISE_METHOD_PAPER`.
-    pub method: u32,
-    /// `INCISE_REFINE_DELAUNAY` or `INCISE_REFINE_PAPER`.
-    pub refine_method: u32,
     /// `INCISE_CAPS_BODIES`, `INCISE_CAPS_ALL_LOOPS` or `INCISE_CAPS_NONE`.
     pub caps: u32,
     /// Material number of caps.
     pub cap_material: u32,
-    /// Exact method: texture coordinates of caps per meter, at least 0.
+    /// Texture coordinates of caps per meter, at least 0.
     pub cap_uv_scale: f64,
     /// Edge length of caps relative to the surface at the rim, above 0. The paper's levels are 2,
     /// 1.5, 1, 1/1.5 and 0.5.
@@ -42,25 +28,15 @@ pub struct CutParams {
     /// Growth of the edge lengths of caps with the distance from the rim (meters per meter), at
     /// least 0. At 0 the length at the rim holds everywhere.
     pub grading: f64,
-    /// Exact method: minimum length of rim edges in local edge lengths, at least 0, below 0.5.
+    /// Minimum length of rim edges in local edge lengths, at least 0, below 0.5.
     pub snap: f64,
-    /// Exact method: maximum displacement by remeshing in local edge lengths, at least 0, below
-    /// 0.5.
+    /// Maximum displacement by remeshing in local edge lengths, at least 0, below 0.5.
     pub remesh: f64,
 }
 
 impl From<&cut::CutParams> for CutParams {
     fn from(params: &cut::CutParams) -> Self {
-        let (method, exact) = match params.method {
-            CutMethod::Exact(exact) => (INCISE_METHOD_EXACT, exact),
-            CutMethod::Paper(_) => (INCISE_METHOD_PAPER, ExactParams::default()),
-        };
         Self {
-            method,
-            refine_method: match params.refine.method {
-                RefineMethod::Paper => INCISE_REFINE_PAPER,
-                _ => INCISE_REFINE_DELAUNAY,
-            },
             caps: match params.caps {
                 Caps::None => INCISE_CAPS_NONE,
                 Caps::AllLoops => INCISE_CAPS_ALL_LOOPS,
@@ -70,8 +46,8 @@ impl From<&cut::CutParams> for CutParams {
             cap_uv_scale: params.cap_uv_scale,
             level: params.refine.level.z(),
             grading: params.refine.grading,
-            snap: exact.snap,
-            remesh: exact.remesh,
+            snap: params.snap,
+            remesh: params.remesh,
         }
     }
 }
@@ -79,20 +55,10 @@ impl From<&cut::CutParams> for CutParams {
 impl CutParams {
     /// Returns the parameters of the library; `base` has the ones without a field here.
     pub(crate) fn check(&self, base: cut::CutParams) -> Result<cut::CutParams, Error> {
-        let Self { snap, remesh, .. } = *self;
         let params = cut::CutParams {
-            method: match (self.method, base.method) {
-                (INCISE_METHOD_EXACT, _) => CutMethod::Exact(ExactParams { snap, remesh }),
-                (INCISE_METHOD_PAPER, CutMethod::Paper(paper)) => CutMethod::Paper(paper),
-                (INCISE_METHOD_PAPER, _) => CutMethod::Paper(PaperParams::default()),
-                (method, _) => return Err(Error::constant("method", method)),
-            },
+            snap: self.snap,
+            remesh: self.remesh,
             refine: RefineParams {
-                method: match self.refine_method {
-                    INCISE_REFINE_DELAUNAY => RefineMethod::Delaunay,
-                    INCISE_REFINE_PAPER => RefineMethod::Paper,
-                    method => return Err(Error::constant("refine_method", method)),
-                },
                 level: level(self.level)?,
                 grading: self.grading,
                 ..base.refine
@@ -179,19 +145,8 @@ mod tests {
     fn constants_and_levels_are_checked() {
         let base = cut::CutParams::default();
         let valid = CutParams::from(&base);
-        for (name, params) in [
-            ("method", CutParams { method: 7, ..valid }),
-            (
-                "refine_method",
-                CutParams {
-                    refine_method: 7,
-                    ..valid
-                },
-            ),
-            ("caps", CutParams { caps: 7, ..valid }),
-        ] {
-            assert_eq!(params.check(base), Err(Error::constant(name, 7)));
-        }
+        let caps = CutParams { caps: 7, ..valid }.check(base);
+        assert_eq!(caps, Err(Error::constant("caps", 7)));
         for z in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert!(CutParams { level: z, ..valid }.check(base).is_err(), "{z}");
         }

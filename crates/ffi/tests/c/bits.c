@@ -87,7 +87,6 @@ static incise_status cut(incise_mesh *mesh, const char *method, const char *leve
     CHECK(incise_cut_params_init(&params));
     if (strcmp(level, "2x-finer") == 0) params.level = 0.5;
     if (strcmp(method, "path") != 0) {
-        if (strcmp(method, "paper") == 0) params.method = INCISE_METHOD_PAPER;
         return incise_mesh_cut_plane(mesh, numbers, numbers[3], &params, result);
     }
     double x = numbers[0], y = numbers[1], z = numbers[2], d = numbers[3];

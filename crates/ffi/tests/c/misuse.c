@@ -117,8 +117,8 @@ static void cuts(void) {
     EXPECT(incise_mesh_cut_plane(mesh, up, 0, &params, &result), INVALID_ARGUMENT, "grading");
     params.grading = 0, params.cap_uv_scale = -1;
     EXPECT(incise_mesh_cut_plane(mesh, up, 0, &params, &result), INVALID_ARGUMENT, "cap_uv_scale");
-    params.cap_uv_scale = 1, params.method = 9;
-    EXPECT(incise_mesh_cut_plane(mesh, up, 0, &params, &result), INVALID_ARGUMENT, "method is 9");
+    params.cap_uv_scale = 1, params.caps = 9;
+    EXPECT(incise_mesh_cut_plane(mesh, up, 0, &params, &result), INVALID_ARGUMENT, "caps is 9");
     float poses[12] = {0, 1, -1, 0, 1, 1, 0, 0, -1, 0, 0, 1};
     EXPECT(incise_mesh_cut_path(mesh, poses, 2, 1, NULL, &result), INVALID_ARGUMENT, "at least 2");
     EXPECT(incise_mesh_cut_path(mesh, poses, SIZE_MAX, 2, NULL, &result), INVALID_ARGUMENT, "");

@@ -4,15 +4,6 @@ using System.Runtime.InteropServices;
 
 namespace Incise
 {
-    /// <summary>A method to open a surface.</summary>
-    public enum CutMethod : uint
-    {
-        /// <summary>Splits triangles along the sweep.</summary>
-        Exact = 0,
-        /// <summary>The paper's listings; closed bodies and full slices only.</summary>
-        Paper = 1,
-    }
-
     /// <summary>The curves of a cut that are closed by caps.</summary>
     public enum Caps : uint
     {
@@ -28,12 +19,9 @@ namespace Incise
     [StructLayout(LayoutKind.Sequential)]
     public struct CutParams
     {
-        public CutMethod Method;
-        /// <summary>0: Delaunay; 1: the paper's listings.</summary>
-        public uint RefineMethod;
         public Caps Caps;
         public uint CapMaterial;
-        /// <summary>Exact method: texture coordinates of caps per meter.</summary>
+        /// <summary>Texture coordinates of caps per meter.</summary>
         public double CapUvScale;
         /// <summary>Edge length of caps relative to the surface: 2, 1.5, 1, 1/1.5, 0.5.</summary>
         public double Level;

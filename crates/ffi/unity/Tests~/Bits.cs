@@ -42,11 +42,7 @@ static class Bits
         CutParams parameters = CutParams.Default;
         if (level == "2x-finer") parameters.Level = 0.5;
         double x = numbers[0], y = numbers[1], z = numbers[2], d = numbers[3];
-        if (method != "path")
-        {
-            if (method == "paper") parameters.Method = CutMethod.Paper;
-            return surface.Cut(new[] { x, y, z }, d, parameters);
-        }
+        if (method != "path") return surface.Cut(new[] { x, y, z }, d, parameters);
         var heights = new[] { y, 0.5 * (y + d), d };
         var poses = new float[18];
         for (int k = 0; k < 3; k++)

@@ -1,9 +1,10 @@
-//! All attributes of one corner, to copy and interpolate them together.
+//! All attributes of a corner and of a triangle's corners, to copy and interpolate them together.
 
 use super::Surface;
 use super::channels::{Blend, Row};
+use crate::edit::Edit;
 use crate::geometry::{Vec3, to_f32, to_f64};
-use crate::ids::HalfEdge;
+use crate::ids::{HalfEdge, TriangleId, VertexId};
 
 /// The texture coordinates, the normal and the rows of corner channels of one corner.
 ///
@@ -84,6 +85,42 @@ impl Surface {
         uvs.get(a) == uvs.get(b)
             && normals.get(a) == normals.get(b)
             && (self.corner_channels()).all(|channel| channel.row(a) == channel.row(b))
+    }
+}
+
+/// The vertices and corner attributes of a triangle, kept for an edit that replaces it.
+#[derive(Debug, Clone)]
+pub struct TriangleCorners {
+    /// The triangle.
+    pub triangle: TriangleId,
+    /// Its vertices.
+    pub vertices: [VertexId; 3],
+    values: [CornerValues; 3],
+}
+
+impl TriangleCorners {
+    /// Reads a triangle of the surface.
+    #[must_use]
+    pub fn new(surface: &Surface, triangle: TriangleId) -> Self {
+        Self {
+            triangle,
+            vertices: surface.topology().triangle(triangle),
+            values: triangle.half_edges().map(|h| surface.corner_values(h)),
+        }
+    }
+
+    /// Returns whether the surface has no attributes of corners.
+    #[must_use]
+    pub fn is_plain(&self) -> bool {
+        self.values[0].is_empty()
+    }
+
+    /// Sets the attributes of a new corner to the weighted sum of the three old ones.
+    ///
+    /// See [`CornerValues::interpolate`].
+    pub fn interpolate(&self, edit: &mut Edit<'_>, h: HalfEdge, weights: [f32; 3]) {
+        let values = CornerValues::interpolate(self.values.each_ref(), weights);
+        edit.set_corner_values(h, &values);
     }
 }
 

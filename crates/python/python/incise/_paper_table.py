@@ -52,7 +52,6 @@ def paper_table(
     models: Optional[Iterable[str]] = None,
     *,
     seconds: float = 15.0,
-    method: str = "exact",
     level: str = "original",
     seed: int = 1,
 ) -> list[PaperRow]:
@@ -70,16 +69,16 @@ def paper_table(
     frames = round(seconds * _FRAMES_A_SECOND)
     if frames < 1:
         raise Error("seconds is shorter than half a frame; pass a larger number")
-    return [_row(model(name), name, frames, method, level, seed) for name in names]
+    return [_row(model(name), name, frames, level, seed) for name in names]
 
 
-def _row(mesh: Mesh, name: str, frames: int, method: str, level: str, seed: int) -> PaperRow:
+def _row(mesh: Mesh, name: str, frames: int, level: str, seed: int) -> PaperRow:
     name = next(known for known in MODELS if known.lower() == name.lower())
     mesh = mesh.sort_by_position()
-    pbd = _Run(mesh, method, level)
+    pbd = _Run(mesh, level)
     for frame in range(frames):
         pbd.frame(frame, None)
-    cs = _Run(mesh, method, level)
+    cs = _Run(mesh, level)
     directions = np.random.default_rng(seed)
     # A failed slice is repeated in the next frame with the next direction.
     due = False
@@ -110,7 +109,7 @@ def _row(mesh: Mesh, name: str, frames: int, method: str, level: str, seed: int)
 class _Run:
     """A body in motion, and a blade that hovers far away until it slices."""
 
-    def __init__(self, mesh: Mesh, method: str, level: str) -> None:
+    def __init__(self, mesh: Mesh, level: str) -> None:
         self.scene = Scene(
             iterations=10,
             substeps=1,
@@ -119,7 +118,6 @@ class _Run:
             gravity=(0.0, 0.0, 0.0),
             sleep=False,
             skip_far_sweeps=False,
-            method=method,
             level=level,
         )
         self.body = self.scene.add_body(mesh, "limp-shell", bending={"stiffness": 0.5})

@@ -29,10 +29,7 @@ impl SceneOptions {
             })?);
             options.del_item("undo_limit")?;
         }
-        let names = params::set(&mut params, options.as_ref())?;
-        params
-            .check_given(names.iter().map(String::as_str))
-            .or_raise()?;
+        params::set(&mut params, options.as_ref())?;
         params.check().or_raise()?;
         Ok(Self { params, undo_limit })
     }

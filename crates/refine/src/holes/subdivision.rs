@@ -2,13 +2,12 @@
 //!
 //! A triangle is split at its center if all three corners are farther from it than their target
 //! sizes require. Edges are flipped toward Delaunay, and vertices smoothed. Lengths and angles are
-//! measured in space, so the patch need not be planar, and flips never fold it. The paper's
-//! Algorithm 4 is the case of one size.
+//! measured in space, so the patch need not be planar, and flips never fold it.
 
 use super::smoothing::smooth;
 use super::{HolePatch, NewVertex};
+use crate::edge_dictionary::{EdgeDictionary, Flip};
 use crate::error::HoleError;
-use crate::paper::edge_dictionary::{EdgeDictionary, Flip};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{Vec3, index_u32};
 
@@ -64,7 +63,7 @@ pub(super) fn refine(
                 / 3.0,
         );
     }
-    let mut dictionary = EdgeDictionary::of(&patch.triangles);
+    let mut dictionary = EdgeDictionary::from_triangles(&patch.triangles);
     flip_to_delaunay(patch, &mut dictionary, has_edge);
     for _ in 0..MAX_ROUNDS {
         let mut grew = false;
@@ -102,7 +101,7 @@ fn is_too_fine(patch: &HolePatch, sizes: &[f64], limit: usize) -> bool {
 
 /// Flips edges and smooths vertices of a refined patch, after folding it back into space.
 pub(super) fn flip_and_smooth(patch: &mut HolePatch, has_edge: &impl Fn(u32, u32) -> bool) {
-    let mut dictionary = EdgeDictionary::of(&patch.triangles);
+    let mut dictionary = EdgeDictionary::from_triangles(&patch.triangles);
     for _ in 0..FINAL_PASSES {
         flip_to_delaunay(patch, &mut dictionary, has_edge);
         smooth(patch);
@@ -145,7 +144,7 @@ fn split(patch: &mut HolePatch, sizes: &mut Vec<f64>, dictionary: &mut EdgeDicti
 
 /// Flips edges toward Delaunay at the vertices' current positions.
 pub(super) fn flip_to_delaunay_again(patch: &mut HolePatch, has_edge: &impl Fn(u32, u32) -> bool) {
-    let mut dictionary = EdgeDictionary::of(&patch.triangles);
+    let mut dictionary = EdgeDictionary::from_triangles(&patch.triangles);
     flip_to_delaunay(patch, &mut dictionary, has_edge);
 }
 

@@ -1,7 +1,6 @@
 //! Section meshes: invariants of all of them, quality, and cases with a known answer.
 
 mod cases;
-mod paper;
 mod properties;
 mod quality;
 mod sections;

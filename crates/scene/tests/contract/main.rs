@@ -6,6 +6,7 @@ mod blade_faces;
 mod contact_volumes;
 mod contacts;
 mod cut_threads;
+mod cut_with;
 mod errors;
 mod frame;
 mod incisions;

@@ -3,10 +3,9 @@
 //! A progressive blade cuts in every frame and goes on at the tip of its cut, see
 //! [`incise_scene::BladeMode::Progressive`].
 //!
-//! With the paper's method, and if the settings say so, only cuts right through the body are made.
-//! The sweep then starts at the last blade position outside of the body and grows while the blade
-//! is inside. The body is cut in the frame in which the blade leaves it, or when the stroke ends
-//! outside.
+//! If the settings say so, only cuts right through the body are made. The sweep then starts at the
+//! last blade position outside of the body and grows while the blade is inside. The body is cut in
+//! the frame in which the blade leaves it, or when the stroke ends outside.
 
 use super::Session;
 use super::cut_history::RecordedCut;

@@ -5,7 +5,6 @@ mod caps;
 
 use super::*;
 use crate::recording::ReplayProgress;
-use incise_cut::{CutMethod, PaperParams};
 use incise_mesh::icosphere;
 use incise_models::{Model, build_model};
 use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Stiffness, Volume};
@@ -76,34 +75,26 @@ fn bits(session: &Session) -> Vec<[u32; 8]> {
 
 #[test]
 fn undo_and_redo_without_motion_are_bit_identical() {
-    for method in [
-        CutMethod::default(),
-        CutMethod::Paper(PaperParams::default()),
-    ] {
-        let mut s = session();
-        let mut settings = Settings::default();
-        settings.scene.cut.method = method;
-        s.apply(Command::Set(settings));
-        s.apply(Command::Pin { vertex: 5 });
-        for _ in 0..30 {
-            s.frame();
-        }
-        let whole = bits(&s);
-        s.apply(across(0.05));
-        let once = bits(&s);
-        s.apply(across(-0.2));
-        assert_eq!(pieces(&s), 3, "{method:?}");
-        let twice = bits(&s);
-        for _ in 0..2 {
-            s.apply(Command::Undo);
-            assert!(bits(&s) == once, "{method:?}: one cut taken back");
-            s.apply(Command::Undo);
-            assert!(bits(&s) == whole, "{method:?}: both cuts taken back");
-            s.apply(Command::Redo);
-            assert!(bits(&s) == once, "{method:?}: one cut done again");
-            s.apply(Command::Redo);
-            assert!(bits(&s) == twice, "{method:?}: both cuts done again");
-        }
+    let mut s = session();
+    s.apply(Command::Pin { vertex: 5 });
+    for _ in 0..30 {
+        s.frame();
+    }
+    let whole = bits(&s);
+    s.apply(across(0.05));
+    let once = bits(&s);
+    s.apply(across(-0.2));
+    assert_eq!(pieces(&s), 3);
+    let twice = bits(&s);
+    for _ in 0..2 {
+        s.apply(Command::Undo);
+        assert!(bits(&s) == once, "one cut taken back");
+        s.apply(Command::Undo);
+        assert!(bits(&s) == whole, "both cuts taken back");
+        s.apply(Command::Redo);
+        assert!(bits(&s) == once, "one cut done again");
+        s.apply(Command::Redo);
+        assert!(bits(&s) == twice, "both cuts done again");
     }
 }
 
@@ -421,7 +412,7 @@ fn old_recordings_have_no_interior_springs_and_damping() {
     session().recording().write(&mut text).unwrap();
     let text = String::from_utf8(text).unwrap();
     let now = serde_json::to_string(&Settings::default()).unwrap();
-    let old = r#"{"method":"rebuild","level":"0.7","substeps":4,"iterations":2,"stretch":0.5,
+    let old = r#"{"method":"exact","level":"0.7","substeps":4,"iterations":2,"stretch":0.5,
         "bending":null,"volume":1.5,"gravity":false,"ground":true,"contacts":false}"#;
     let text = text.replace(&now, &old.replace('\n', " "));
     let read = Recording::read(text.as_bytes()).unwrap().settings();
@@ -439,7 +430,6 @@ fn old_recordings_have_no_interior_springs_and_damping() {
         ..Settings::default()
     };
     let scene = &mut expected.scene;
-    scene.cut.method = CutMethod::Paper(PaperParams::default());
     scene.cut.refine.level = RefinementLevel::Z(0.7);
     scene.solver = SolverParams {
         substeps: 4,

@@ -4,7 +4,6 @@ use super::OpenWindow;
 use crate::command::Command;
 use crate::error::ViewError;
 use crate::keys::Action;
-use incise_cut::{CutMethod, PaperParams};
 use incise_pbd_gpu::SolverParams;
 use incise_refine::RefinementLevel;
 use std::fs::File;
@@ -45,12 +44,6 @@ impl OpenWindow {
             Action::PieceColors => self.display.pieces ^= true,
             Action::CapColors => self.display.caps ^= true,
             Action::BatchColors => self.display.batches ^= true,
-            Action::Method => {
-                settings.scene.cut.method = match settings.scene.cut.method {
-                    CutMethod::Exact(_) => CutMethod::Paper(PaperParams::default()),
-                    CutMethod::Paper(_) => CutMethod::default(),
-                }
-            }
             Action::Coarser => *level = next_level(*level, false),
             Action::Finer => *level = next_level(*level, true),
             Action::FewerSubsteps => *substeps = (*substeps - 1).max(1),

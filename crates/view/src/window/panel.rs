@@ -9,7 +9,6 @@ use crate::keys::{Action, KEYS, MOUSE};
 use crate::pointer::Tool;
 use crate::session::{BladeState, Session};
 use egui::{Align2, Button, Color32, Grid, RichText, ScrollArea, Ui};
-use incise_cut::CutMethod;
 use incise_mesh::geometry::round_to_f32;
 use incise_scene::BladeMode;
 use winit::window::Window;
@@ -151,10 +150,7 @@ fn messages(ui: &mut Ui, open: &OpenWindow) {
 }
 
 fn cut(ui: &mut Ui, settings: &mut Settings) {
-    ui.add_enabled(
-        matches!(settings.scene.cut.method, CutMethod::Exact(_)),
-        egui::Checkbox::new(&mut settings.progressive, "cuts may end inside the body"),
-    );
+    ui.checkbox(&mut settings.progressive, "cuts may end inside the body");
     // The marks of caps are those of the window.
     parameters::show(
         ui,

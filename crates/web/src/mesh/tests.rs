@@ -98,8 +98,8 @@ fn hostile_planes_are_errors_or_misses() {
     for name in ["0", "nan", "-1", ""] {
         assert!(mesh.cut(&UP, 0.0, &level(name)).is_err());
     }
-    let method = Value::Map(vec![("method".to_owned(), Value::from("none"))]);
-    assert!(mesh.cut(&UP, 0.0, &method).is_err());
+    let caps = Value::Map(vec![("caps".to_owned(), Value::from("some"))]);
+    assert!(mesh.cut(&UP, 0.0, &caps).is_err());
     let miss = mesh.cut(&UP, 1e300, &Value::None).unwrap();
     assert_eq!(miss.at("is_miss"), Some(true.value()));
     assert_eq!((mesh.undo_count(), mesh.triangle_count()), (0, 80));

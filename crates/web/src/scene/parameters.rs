@@ -48,8 +48,7 @@ impl Scene {
     /// [`WebError`] for an unknown name and a value out of range; nothing is changed then.
     pub fn set(&mut self, values: &Value) -> Result<(), WebError> {
         let mut params = self.simulation.params;
-        let names = set(&mut params, values)?;
-        params.check_given(names)?;
+        set(&mut params, values)?;
         params.solver.threads = NonZeroUsize::new(1);
         params.check()?;
         self.simulation.params = params;

@@ -78,12 +78,6 @@ impl Trace {
         Some(end.triangle(surface))
     }
 
-    /// Returns a mesh triangle that a curve without caps crosses.
-    pub(crate) fn open_loop(&self, surface: &Surface) -> Option<TriangleId> {
-        let open = self.curves.iter().find(|curve| !curve.is_capped)?;
-        Some(self.nodes[open.nodes.start as usize].triangle(surface))
-    }
-
     /// Sets which curves bound sections with caps: those for whose piece and closedness
     /// `is_capped` holds.
     pub(crate) fn set_capped(&mut self, surface: &Surface, is_capped: impl Fn(u32, bool) -> bool) {

@@ -106,11 +106,10 @@ fn stroke(s: &mut Session, end: f32) {
 }
 
 /// A session without gravity, whose held blade is progressive.
-fn floating(method: CutMethod) -> Session {
+fn floating() -> Session {
     let mut s = session();
     let mut settings = Settings::default();
     settings.scene.solver.gravity = [0.0; 3];
-    settings.scene.cut.method = method;
     s.apply(Command::Set(settings));
     s
 }
@@ -121,7 +120,7 @@ fn volume(session: &Session) -> f64 {
 
 #[test]
 fn progressive_blade_cuts_as_it_moves_and_stops_inside() {
-    let mut s = floating(CutMethod::default());
+    let mut s = floating();
     let whole = (s.fingerprint().unwrap(), volume(&s));
     let mut cuts = 0;
     for i in -7..=1_i16 {
@@ -153,13 +152,14 @@ fn progressive_blade_cuts_as_it_moves_and_stops_inside() {
 
 #[test]
 fn progressive_blade_goes_on_through_the_body_and_parts_it() {
-    for method in [
-        CutMethod::default(),
-        CutMethod::Paper(PaperParams::default()),
-    ] {
-        let mut s = floating(method);
+    for progressive in [true, false] {
+        let mut s = floating();
+        s.apply(Command::Set(Settings {
+            progressive,
+            ..*s.settings()
+        }));
         stroke(&mut s, 0.8);
-        assert_eq!((pieces(&s), s.undo_count()), (2, 1), "{method:?}");
+        assert_eq!((pieces(&s), s.undo_count()), (2, 1), "{progressive}");
         let (_, place) = s.held_blade().unwrap();
         assert_eq!(place, BladeState::Outside);
         s.apply(Command::LiftBlade);
@@ -169,7 +169,7 @@ fn progressive_blade_goes_on_through_the_body_and_parts_it() {
 
 #[test]
 fn strokes_are_undone_and_redone_to_the_same_bits() {
-    let mut s = floating(CutMethod::default());
+    let mut s = floating();
     let state = |s: &Session| {
         let surface = s.surface();
         let places = surface.positions().iter().map(|p| [p[0], p[1], p[2]]);
@@ -197,7 +197,7 @@ fn strokes_are_undone_and_redone_to_the_same_bits() {
 
 #[test]
 fn undo_during_a_stroke_lifts_the_blade() {
-    let mut s = floating(CutMethod::default());
+    let mut s = floating();
     stroke(&mut s, 0.0);
     s.apply(Command::Undo);
     assert_eq!((s.held_blade(), pieces(&s)), (None, 1));

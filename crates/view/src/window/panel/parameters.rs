@@ -167,15 +167,11 @@ impl<P: Params + Clone> Controls<'_, P> {
         }
         if let Some(variant) = variants.iter().find(|variant| variant.name == present) {
             let inner = format!("{path}.{}", variant.name);
-            match (&variant.kind, value) {
-                (Kind::Struct(fields), _) => self.fields(ui, &inner, fields),
-                (Kind::Number, Value::Map(entries)) => {
-                    let number = entries
-                        .first()
-                        .map_or(Value::None, |(_, number)| number.clone());
-                    self.number(ui, &inner, variant, &Kind::Number, &number);
-                }
-                _ => {}
+            if let (Kind::Number, Value::Map(entries)) = (&variant.kind, value) {
+                let number = entries
+                    .first()
+                    .map_or(Value::None, |(_, number)| number.clone());
+                self.number(ui, &inner, variant, &Kind::Number, &number);
             }
         }
     }

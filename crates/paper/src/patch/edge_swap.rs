@@ -11,8 +11,8 @@
 //!   triangles face along the patch's normal.
 
 use super::Patch;
-use super::edge_dictionary::EdgeDictionary;
 use incise_mesh::Vec3;
+use incise_refine::EdgeDictionary;
 
 /// Share of the radius within which a vertex counts as inside a circumcircle.
 ///

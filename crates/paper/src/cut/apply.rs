@@ -3,9 +3,10 @@
 use super::points::PointSet;
 use super::strip::Strip;
 use super::{ClosedSide, Corner};
-use crate::error::CutError;
-use crate::interpolate::{OldTriangle, add_vertex};
-use incise_mesh::{EdgeKey, Edit, HalfEdge, Surface, TriangleId, VertexId, VertexOrigin};
+use crate::error::PaperError;
+use incise_mesh::{
+    EdgeKey, Edit, HalfEdge, Surface, TriangleCorners, TriangleId, VertexId, VertexOrigin,
+};
 
 /// The new triangles of a cut.
 #[derive(Debug, Default)]
@@ -20,7 +21,7 @@ const MAX_FLAT_TRIANGLES: usize = 256;
 
 /// Sides for which the result would not be a closed manifold.
 pub(super) struct Failure {
-    pub(super) error: CutError,
+    pub(super) error: PaperError,
     pub(super) sides: Vec<usize>,
 }
 
@@ -57,7 +58,7 @@ pub(super) fn apply(
                 unreachable!("a failure names a vertex");
             };
             Err(Failure {
-                error: CutError::NotManifold { vertex },
+                error: PaperError::NotManifold { vertex },
                 sides: (0..sides.len()).filter(has_failed).collect(),
             })
         }
@@ -65,10 +66,10 @@ pub(super) fn apply(
 }
 
 /// Returns the hit triangles before the edit, ascending.
-fn hits(surface: &Surface, strips: &[Strip]) -> Vec<OldTriangle> {
+fn hits(surface: &Surface, strips: &[Strip]) -> Vec<TriangleCorners> {
     let hits = strips.iter().flat_map(|s| &s.hits);
     let mut hits: Vec<_> = hits
-        .map(|h| OldTriangle::new(surface, h.triangle))
+        .map(|h| TriangleCorners::new(surface, h.triangle))
         .collect();
     hits.sort_unstable_by_key(|hit| hit.triangle);
     hits
@@ -79,7 +80,7 @@ type NotManifold = Vec<VertexId>;
 
 /// A replacement of hit triangles in progress.
 struct Replacement {
-    hits: Vec<OldTriangle>,
+    hits: Vec<TriangleCorners>,
     /// Corners of the hit triangles, ascending.
     fans: Vec<Fan>,
     cap_material: u32,
@@ -137,7 +138,7 @@ impl Replacement {
     fn find_fans(&mut self, surface: &Surface) {
         let mut corners: Vec<(VertexId, usize, usize)> = Vec::with_capacity(3 * self.hits.len());
         for (i, hit) in self.hits.iter().enumerate() {
-            corners.extend((0..3).map(|k| (hit.corners[k], i, k)));
+            corners.extend((0..3).map(|k| (hit.vertices[k], i, k)));
         }
         corners.sort_unstable();
         let fan = |run: &[(VertexId, usize, usize)]| Fan {
@@ -165,7 +166,7 @@ impl Replacement {
                 let point = &points.points[p as usize];
                 let [a, b] = point.ends;
                 let origin = VertexOrigin::OnEdge { a, b, t: point.t };
-                *id = add_vertex(edit, point.position, origin);
+                *id = edit.add_interpolated_vertex(point.position, origin);
             }
         }
         self.new_vertices
@@ -190,7 +191,7 @@ impl Replacement {
                 parents: parents.map(|i| vertices[i as usize]),
                 weights: [1.0 / 3.0; 3],
             };
-            vertices.push(add_vertex(edit, position, origin));
+            vertices.push(edit.add_interpolated_vertex(position, origin));
         }
         let steiner_vertices = &vertices[cap.rim_len..];
         (self.new_vertices.last_mut().into_iter()).for_each(|own| own.extend(steiner_vertices));
@@ -227,7 +228,7 @@ impl Replacement {
         wall: &[Corner; 3],
         t: TriangleId,
     ) {
-        if self.hits.first().is_none_or(OldTriangle::is_plain) {
+        if self.hits.first().is_none_or(TriangleCorners::is_plain) {
             return;
         }
         let hit = |t: TriangleId| {
@@ -238,11 +239,11 @@ impl Replacement {
             Corner::Point(p) => Some(points.points[*p as usize].entry.triangle()),
             Corner::Old(_) => None,
         });
-        let near: Vec<&OldTriangle> = entries.map(hit).collect();
+        let near: Vec<&TriangleCorners> = entries.map(hit).collect();
         for (h, &corner) in t.half_edges().into_iter().zip(wall) {
             let (source, weights) = match corner {
                 Corner::Old(v) => {
-                    let own = |hit: &OldTriangle| hit.corners.iter().position(|&c| c == v);
+                    let own = |hit: &TriangleCorners| hit.vertices.iter().position(|&c| c == v);
                     let near = near.iter().find_map(|&hit| Some((hit, own(hit)?)));
                     let fan = self.fan(v).map(|fan| (&self.hits[fan.hit.0], fan.hit.1));
                     let (hit, k) = near
@@ -253,7 +254,7 @@ impl Replacement {
                 Corner::Point(p) => {
                     let point = &points.points[p as usize];
                     let hit = hit(point.entry.triangle());
-                    (hit, point.weights_in(hit.corners))
+                    (hit, point.weights_in(hit.vertices))
                 }
             };
             source.interpolate(edit, h, weights);

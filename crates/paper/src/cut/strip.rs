@@ -4,39 +4,41 @@
 //! The edges that the sweep crosses are those of the exact intersection curves. A bent sweep may
 //! cross an edge twice; its ends are then on the same side, and the edge counts as not crossed.
 
-use crate::error::CutError;
-use crate::intersection::node::On;
-use crate::intersection::trace::Trace;
+use crate::error::PaperError;
+use incise_cut::EdgeCrossing;
 use incise_mesh::{EdgeKey, HalfEdge, Surface, TriangleId};
 
 /// A triangle that the sweep crosses: in through one edge, out through another.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Hit {
     pub(super) triangle: TriangleId,
     /// Half-edge of the triangle that runs from the negative to the positive side.
     pub(super) entry: HalfEdge,
     /// Half-edge of the triangle that runs from the positive to the negative side.
     pub(super) exit: HalfEdge,
-    /// Number of the curve's node on the edge of `entry`.
-    pub(super) node: u32,
+    /// The crossing of the edge of `entry`.
+    pub(super) crossing: EdgeCrossing,
 }
 
 /// A closed strip of hit triangles.
 ///
 /// Each is entered through the edge by which the one before was left; the last leads to the first.
 /// The positive side is the one to which entry half-edges run.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Strip {
     pub(super) hits: Vec<Hit>,
 }
 
-/// Returns all closed strips, in order of their first triangle.
+/// Returns the closed strips of the crossings of closed curves, in order of their first triangle.
 ///
 /// # Errors
-/// [`CutError::SideConflict`] where the sweep passes a vertex on both sides.
-pub(super) fn strips(surface: &Surface, trace: &Trace) -> Result<Vec<Strip>, CutError> {
+/// [`PaperError::SideConflict`] where the sweep passes a vertex on both sides.
+pub(super) fn strips(
+    surface: &Surface,
+    crossings: &[EdgeCrossing],
+) -> Result<Vec<Strip>, PaperError> {
     let topology = surface.topology();
-    let hits = hits(surface, trace)?;
+    let hits = hits(surface, crossings)?;
     let mut seen = vec![false; hits.len()];
     let mut strips = Vec::new();
     for start in 0..hits.len() {
@@ -59,43 +61,41 @@ pub(super) fn strips(surface: &Surface, trace: &Trace) -> Result<Vec<Strip>, Cut
 }
 
 /// Returns the hit triangles, ascending.
-fn hits(surface: &Surface, trace: &Trace) -> Result<Vec<Hit>, CutError> {
+fn hits(surface: &Surface, crossings: &[EdgeCrossing]) -> Result<Vec<Hit>, PaperError> {
     let topology = surface.topology();
-    let mut crossed: Vec<(EdgeKey, HalfEdge, u32)> = Vec::with_capacity(trace.nodes.len());
-    for (number, node) in (0..).zip(&trace.nodes) {
-        if let On::Edge { exit, ends, .. } = node.on {
-            crossed.push((EdgeKey::new(ends[0], ends[1]), exit, number));
-        }
-    }
+    let key = |crossing: &EdgeCrossing| EdgeKey::new(crossing.ends[0], crossing.ends[1]);
+    let mut crossed: Vec<(EdgeKey, HalfEdge, usize)> = (crossings.iter().enumerate())
+        .map(|(number, crossing)| (key(crossing), crossing.half_edge, number))
+        .collect();
     crossed.sort_unstable();
     // Every crossed edge is the entry of one of its triangles and the exit of the other.
-    let mut crossings: Vec<(TriangleId, HalfEdge, Option<u32>)> = Vec::new();
+    let mut sides: Vec<(TriangleId, HalfEdge, Option<usize>)> = Vec::new();
     for group in crossed.chunk_by(|a, b| a.0 == b.0) {
-        let (_, rising, node) = group[0];
+        let (_, rising, number) = group[0];
         if group.len() % 2 == 1 {
             let falling = topology.twin(rising);
-            crossings.push((rising.triangle(), rising, Some(node)));
-            crossings.push((falling.triangle(), falling, None));
+            sides.push((rising.triangle(), rising, Some(number)));
+            sides.push((falling.triangle(), falling, None));
         }
     }
-    crossings.sort_unstable();
-    let hit = |group: &[(TriangleId, HalfEdge, Option<u32>)]| match *group {
-        [(triangle, entry, Some(node)), (_, exit, None)]
-        | [(triangle, exit, None), (_, entry, Some(node))] => Ok(Hit {
+    sides.sort_unstable();
+    let hit = |group: &[(TriangleId, HalfEdge, Option<usize>)]| match *group {
+        [(triangle, entry, Some(number)), (_, exit, None)]
+        | [(triangle, exit, None), (_, entry, Some(number))] => Ok(Hit {
             triangle,
             entry,
             exit,
-            node,
+            crossing: crossings[number],
         }),
-        _ => Err(CutError::SideConflict {
+        _ => Err(PaperError::SideConflict {
             vertex: topology.origin(group[0].1),
         }),
     };
-    crossings.chunk_by(|a, b| a.0 == b.0).map(hit).collect()
+    sides.chunk_by(|a, b| a.0 == b.0).map(hit).collect()
 }
 
 /// Checks that every vertex is on one side of the whole sweep.
-fn check_sides(surface: &Surface, hits: &[Hit]) -> Result<(), CutError> {
+fn check_sides(surface: &Surface, hits: &[Hit]) -> Result<(), PaperError> {
     let topology = surface.topology();
     let mut sides: Vec<_> = hits
         .iter()
@@ -109,7 +109,7 @@ fn check_sides(surface: &Surface, hits: &[Hit]) -> Result<(), CutError> {
     sides.sort_unstable();
     sides.dedup();
     match sides.windows(2).find(|pair| pair[0].0 == pair[1].0) {
-        Some(pair) => Err(CutError::SideConflict { vertex: pair[0].0 }),
+        Some(pair) => Err(PaperError::SideConflict { vertex: pair[0].0 }),
         None => Ok(()),
     }
 }

@@ -1,4 +1,4 @@
-//! The paper's triangulation and refinement of a patch, one function per listing.
+//! Triangulation and refinement of a patch, one function per listing.
 //!
 //! | Listing | Function |
 //! |---|---|
@@ -7,21 +7,20 @@
 //! | Algorithm A3, edge swap | called by [`refine`] |
 //! | all three, with Formula 2 | [`fill`] |
 //!
-//! The paper is "Cutting Simulation in Unity 3D Using Position Based Dynamics with Various
-//! Refinement Levels", Applied Sciences 2022. Each file lists where it departs from its listing.
+//! Each file lists where it departs from its listing.
 
 mod ear_clipping;
-pub(crate) mod edge_dictionary;
 mod edge_swap;
-pub(crate) mod section;
 mod subdivision;
 
 pub use ear_clipping::triangulate;
 pub use subdivision::{mean_rim_length, refine};
 
-use crate::error::RefineError;
-use crate::params::RefineParams;
+use crate::error::PaperError;
+use crate::params::PaperParams;
 use incise_mesh::Vec3;
+use incise_params::Params;
+use incise_refine::RefineError;
 
 /// Counters of one refinement.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -59,23 +58,23 @@ pub struct Patch {
 /// rim the triangles still form a manifold whose boundary is the rim.
 ///
 /// # Errors
-/// [`RefineError`] on fewer than 3 vertices, a non-finite coordinate, a non-positive z or a patch
+/// [`PaperError`] on fewer than 3 vertices, a non-finite coordinate, a non-positive z or a patch
 /// over the size limit.
 pub fn fill(
     rim: &[Vec3],
     normal: Vec3,
-    params: &RefineParams,
+    params: &PaperParams,
     has_edge: impl Fn(u32, u32) -> bool,
-) -> Result<Patch, RefineError> {
+) -> Result<Patch, PaperError> {
     if rim.len() < 3 {
-        return Err(RefineError::RimTooShort {
+        return Err(PaperError::RimTooShort {
             vertices: rim.len(),
         });
     }
     if let Some(vertex) = rim.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
-        return Err(RefineError::NonFinite { vertex });
+        return Err(RefineError::NonFinite { vertex }.into());
     }
-    params.check()?;
+    params.check_ranges()?;
     let mut patch = triangulate(rim, normal, &has_edge);
     // Formula 2, on the mean length of Formula 1.
     let alpha = params.rim_length.unwrap_or_else(|| mean_rim_length(rim)) * params.level.z();

@@ -3,14 +3,14 @@
 //!
 //! | Listing | Here |
 //! |---|---|
-//! | lines 4 to 12, intersection | [`crate::intersection`], [`strip`], [`points`] |
+//! | lines 4 to 12, intersection | [`Cutter::intersect`], [`strip`], [`points`] |
 //! | line 10, removal of the hit triangles | [`mod@apply`] |
 //! | line 14 and Algorithm A1, constraints | the solver's, from the delta |
 //! | lines 15 to 16, the cutting plane | [`Sweep::plane`] |
 //! | lines 17 to 19, positive and negative edges | [`mod@sides`] |
 //! | lines 20 to 25, points too close | [`points`] |
 //! | line 27 and Algorithm 3, the new boundary | [`boundary`] |
-//! | lines 28 to 29, triangulate and refine | `incise-refine` |
+//! | lines 28 to 29, triangulate and refine | [`mod@crate::patch`] |
 //! | lines 26 and 30, new vertices and triangles | [`mod@apply`] |
 //! | line 31, the other side | both sides of every strip are [`sides::Side`]s |
 //!
@@ -26,8 +26,7 @@
 //!   fails, that side is made again in a plainer [`Form`]. The plainest, with all points, gives a
 //!   manifold whenever the input was one. A side whose piece would be flat is made again likewise.
 //!
-//! Intersection curves, the edit, its undo and the separation of pieces are those of the exact
-//! method. Only the rows of the table above differ.
+//! Intersection curves, the edit, its undo and the numbers of pieces are those of `incise-cut`.
 
 mod apply;
 mod boundary;
@@ -35,24 +34,33 @@ mod points;
 mod sides;
 mod strip;
 
-use crate::error::CutError;
-use crate::intersection::Intersection;
-use crate::outcome::CutOutcome;
-use crate::params::{CutParams, PaperParams};
-use crate::separate::Separator;
-use crate::sweep::Sweep;
+use crate::error::PaperError;
+use crate::params::PaperParams;
+use crate::patch::{Patch, fill, mean_rim_length};
 use apply::{Rebuilt, apply, flat_sides};
 use boundary::{Boundary, along_points, new_boundary};
+use incise_cut::{CutOutcome, Cutter, EdgeCrossing, Sweep};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{Surface, Vec3, VertexId};
-use incise_refine::RefineParams;
-use incise_refine::paper::{Patch, fill, mean_rim_length};
+use incise_params::Params;
 use points::{PointSet, intersection_points};
 use sides::{Side, sides};
 use std::cell::OnceCell;
 use std::time::Duration;
-use strip::strips;
+use strip::{Strip, strips};
 use web_time::Instant;
+
+/// The outcome of a cut by the paper's method.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
+#[must_use = "ask `CutOutcome::is_miss`: a sweep that misses changes nothing"]
+pub struct PaperOutcome {
+    /// The change, its undo, counts and times.
+    pub cut: CutOutcome,
+    /// Sides of loops on which the paper's boundary would not be a manifold, so that hit triangles
+    /// were cut along the sweep instead.
+    pub fallback_sides: usize,
+}
 
 /// A corner of a new triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -100,53 +108,82 @@ impl ClosedSide<'_> {
 /// The cutting plane and the parameters of a cut.
 struct Listing<'a> {
     sweep: &'a Sweep,
-    refine: &'a RefineParams,
-    paper: &'a PaperParams,
+    params: &'a PaperParams,
     /// Mean edge length of the hit triangles \[m\], the unit of distances in [`PaperParams`].
     mean_edge: f64,
 }
 
-/// Cuts `surface` along closed intersection curves. See the module.
+/// Cuts `surface` along `sweep`, which passes through closed bodies as a whole.
+///
+/// A sweep that misses changes nothing, see [`CutOutcome::is_miss`]. The cutter's BVH must fit the
+/// surface, as for [`Cutter::cut`], and follows the cut unless the cutter defers it.
 ///
 /// # Errors
-/// [`CutError`]; the surface is then bit for bit what it was.
-pub(crate) fn cut(
+/// [`PaperError`]; the surface is then bit for bit what it was.
+pub fn cut(
+    cutter: &mut Cutter,
     surface: &mut Surface,
-    at: Intersection<'_>,
-    params: &CutParams,
-    paper: &PaperParams,
-    separator: &mut Separator,
-    outcome: &mut CutOutcome,
-) -> Result<(), CutError> {
+    sweep: &Sweep,
+    params: &PaperParams,
+) -> Result<PaperOutcome, PaperError> {
+    params.check_ranges()?;
     let begin = Instant::now();
-    let strips = strips(surface, at.trace)?;
-    outcome.report.loops = strips.len();
-    outcome.report.hits = strips.iter().map(|s| s.hits.len()).sum();
-    outcome.report.detection += begin.elapsed();
-    if strips.is_empty() {
-        return Ok(());
+    let curves = cutter.intersect(surface, sweep, params.only_piece)?;
+    if let Some(triangle) = curves.end(surface) {
+        return Err(PaperError::PartialCut { triangle });
     }
+    if let Some(triangle) = curves.sheet(surface) {
+        return Err(PaperError::OpenSurface { triangle });
+    }
+    let points = curves.iter().flat_map(|curve| curve.points());
+    let crossings: Vec<EdgeCrossing> = points.filter_map(|point| point.crossing).collect();
+    let mut outcome = PaperOutcome::default();
+    outcome.cut.report.candidates = curves.candidates();
+    let strips = strips(surface, &crossings)?;
+    outcome.cut.report.loops = strips.len();
+    outcome.cut.report.hits = strips.iter().map(|s| s.hits.len()).sum();
+    outcome.cut.report.detection = begin.elapsed();
+    if strips.is_empty() {
+        return Ok(outcome);
+    }
+    replace(cutter, surface, sweep, params, &strips, &mut outcome)?;
+    if !cutter.defers_bvh() {
+        let begin = Instant::now();
+        cutter.update_bvh(surface, &outcome.cut.delta);
+        outcome.cut.report.bvh_update = begin.elapsed();
+    }
+    Ok(outcome)
+}
+
+/// Replaces the triangles of the strips by closed sides, in one edit.
+fn replace(
+    cutter: &mut Cutter,
+    surface: &mut Surface,
+    sweep: &Sweep,
+    params: &PaperParams,
+    strips: &[Strip],
+    outcome: &mut PaperOutcome,
+) -> Result<(), PaperError> {
     let begin = Instant::now();
     let hits = strips.iter().flat_map(|strip| &strip.hits);
     let hits = hits.map(|hit| hit.triangle);
     let listing = Listing {
-        sweep: at.sweep,
-        refine: &params.refine,
-        paper,
+        sweep,
+        params,
         mean_edge: surface.mean_edge_length_of(hits),
     };
-    let min_distance = paper.min_distance * listing.mean_edge;
-    let merged = intersection_points(surface, &strips, at.trace, min_distance);
-    merged.refuse_nested_loops(surface, at.sweep)?;
-    let merged_sides = sides(surface, &strips, &merged);
+    let min_distance = params.min_distance * listing.mean_edge;
+    let merged = intersection_points(surface, strips, min_distance);
+    merged.refuse_nested_loops(surface, sweep)?;
+    let merged_sides = sides(surface, strips, &merged);
     let all_points = OnceCell::new();
     let close = |surface: &Surface, i: usize, form: Form, time: &mut Duration| {
         if form != Form::AllPoints {
             return listing.close(surface, &merged, &merged_sides[i], form, None, time);
         }
         let (all, all_sides) = all_points.get_or_init(|| {
-            let all = intersection_points(surface, &strips, at.trace, 0.0);
-            let sides = sides(surface, &strips, &all);
+            let all = intersection_points(surface, strips, 0.0);
+            let sides = sides(surface, strips, &all);
             (all, sides)
         });
         // All points make a rim of tiny edges, which is no reason for a cap of tiny triangles.
@@ -155,14 +192,15 @@ pub(crate) fn cut(
         listing.close(surface, all, &all_sides[i], form, length, time)
     };
     let mut forms = vec![Form::Even; merged_sides.len()];
-    let refinement = &mut outcome.report.refinement;
+    let report = &mut outcome.cut.report;
+    let refinement = &mut report.refinement;
     let mut closed = (0..forms.len())
         .map(|i| close(surface, i, Form::Even, refinement))
         .collect::<Result<Vec<_>, _>>()?;
     let min_volume = MIN_VOLUME * listing.mean_edge.powi(3);
     let (mut edit, rebuilt) = loop {
         let mut edit = surface.edit();
-        let (result, failed) = match apply(&mut edit, &strips, &closed, params.cap_material) {
+        let (result, failed) = match apply(&mut edit, strips, &closed, params.cap_material) {
             Ok(rebuilt) => {
                 let flat = flat_sides(edit.surface(), &rebuilt, min_volume);
                 (Ok(rebuilt), flat)
@@ -188,22 +226,21 @@ pub(crate) fn cut(
         }
     };
     let Rebuilt { cap, seeds } = rebuilt;
-    outcome.cap = cap;
-    outcome.report.fallback_sides = forms.iter().filter(|&&f| f != Form::Even).count();
-    outcome.report.refined = closed
+    outcome.cut.cap = cap;
+    outcome.fallback_sides = forms.iter().filter(|&&f| f != Form::Even).count();
+    report.refined = closed
         .iter()
         .all(|side| side.cap.as_ref().is_none_or(|cap| cap.report.converged));
-    outcome.report.split = begin.elapsed() - outcome.report.refinement;
+    report.split = begin.elapsed() - report.refinement;
     let begin = Instant::now();
     let seeds: Vec<_> = seeds.into_iter().flatten().collect();
-    separator.find_parts(edit.surface(), at.sweep, &seeds, &[]);
-    separator.number_parts(&mut edit);
-    outcome.report.separation = begin.elapsed();
+    cutter.number_parts(&mut edit, sweep, &seeds);
+    report.separation = begin.elapsed();
     let begin = Instant::now();
     let (delta, undo) = edit.finish();
-    outcome.delta = delta;
-    outcome.undo = Some(undo);
-    outcome.report.commit = begin.elapsed();
+    outcome.cut.delta = delta;
+    outcome.cut.undo = Some(undo);
+    report.commit = begin.elapsed();
     Ok(())
 }
 
@@ -218,7 +255,7 @@ impl Listing<'_> {
         form: Form,
         rim_length: Option<f64>,
         time: &mut Duration,
-    ) -> Result<ClosedSide<'p>, CutError> {
+    ) -> Result<ClosedSide<'p>, PaperError> {
         // Algorithm 3 starts from edges; of a side that is a single vertex it would leave nothing.
         let Boundary { walls, rim } = if form == Form::Even && !side.is_single_vertex() {
             new_boundary(surface, self, points, side)
@@ -229,12 +266,12 @@ impl Listing<'_> {
         let cap = if rim.len() < 3 {
             None
         } else {
-            let mut refine = *self.refine;
-            refine.rim_length = refine.rim_length.or(rim_length);
+            let mut params = *self.params;
+            params.rim_length = params.rim_length.or(rim_length);
             let positions: Vec<Vec3> = rim.iter().map(|&c| points.position(surface, c)).collect();
             let joined = |i: u32, j: u32| is_edge(surface, rim[i as usize], rim[j as usize]);
             let normal = newell(&positions);
-            Some(fill(&positions, normal, &refine, joined)?)
+            Some(fill(&positions, normal, &params, joined)?)
         };
         *time += begin.elapsed();
         Ok(ClosedSide {

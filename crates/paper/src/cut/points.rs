@@ -7,10 +7,8 @@
 
 use super::strip::{Hit, Strip};
 use super::{Corner, newell};
-use crate::error::CutError;
-use crate::intersection::node::On;
-use crate::intersection::trace::Trace;
-use crate::sweep::Sweep;
+use crate::error::PaperError;
+use incise_cut::{EdgeCrossing, Sweep};
 use incise_mesh::{HalfEdge, Surface, TriangleId, Vec3, VertexId, index_u32};
 use std::ops::Range;
 
@@ -58,7 +56,6 @@ pub(super) struct PointSet {
 pub(super) fn intersection_points(
     surface: &Surface,
     strips: &[Strip],
-    trace: &Trace,
     min_distance: f64,
 ) -> PointSet {
     let mut set = PointSet::default();
@@ -66,7 +63,7 @@ pub(super) fn intersection_points(
         let all: Vec<IntersectionPoint> = strip
             .hits
             .iter()
-            .map(|hit| IntersectionPoint::new(surface, trace, hit))
+            .map(|hit| IntersectionPoint::new(surface, hit))
             .collect();
         let (kept, rank) = merge(&all, min_distance);
         let first = index_u32(set.points.len());
@@ -97,10 +94,8 @@ fn edge_range(surface: &Surface, strip: &Strip) -> (f64, f64) {
 
 impl IntersectionPoint {
     /// The point on the entry edge of a hit triangle.
-    fn new(surface: &Surface, trace: &Trace, hit: &Hit) -> Self {
-        let On::Edge { ends, t, .. } = trace.nodes[hit.node as usize].on else {
-            unreachable!("a strip is entered through crossed edges");
-        };
+    fn new(surface: &Surface, hit: &Hit) -> Self {
+        let EdgeCrossing { ends, t, .. } = hit.crossing;
         let t = t.clamp(MARGIN, 1.0 - MARGIN);
         let [p, q] = ends.map(|v| surface.position(v));
         Self {
@@ -169,7 +164,7 @@ impl PointSet {
         &self,
         surface: &Surface,
         sweep: &Sweep,
-    ) -> Result<(), CutError> {
+    ) -> Result<(), PaperError> {
         let (_, normal) = sweep.plane();
         let side = Vec3::ith(normal.iamin(), 1.0);
         let u = normal.cross(&side).normalize();
@@ -204,7 +199,7 @@ impl PointSet {
                 areas[o] <= 0.0 && (cavity || piece(o) == piece(inner)) && inside(&outlines[o])
             };
             if (0..areas.len()).any(|o| encloses(&o)) {
-                return Err(CutError::NestedSection {
+                return Err(PaperError::NestedSection {
                     triangle: own.triangle,
                 });
             }

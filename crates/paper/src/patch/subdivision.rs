@@ -8,18 +8,18 @@
 //!   number grows during the loop, subdivide new ones before any swap. Here, each round visits
 //!   the triangles that existed at its start once.
 //! - The number of rounds n "may require more or less" by model. Here, rounds continue until none
-//!   subdivides a triangle, at most [`RefineParams::max_rounds`].
+//!   subdivides a triangle, at most [`PaperParams::max_rounds`].
 //! - The rim is not subdivided. A triangle on a rim edge longer than 3/2 alpha has a mean edge over
 //!   alpha for any third vertex, and so have its neighbors. The listing would subdivide them into
 //!   slivers without end (always at level 2x-finer). A triangle whose smallest height is below
 //!   [`MIN_HEIGHT`] alpha is therefore not subdivided.
 
 use super::Patch;
-use super::edge_dictionary::EdgeDictionary;
 use super::edge_swap::swap;
-use crate::error::RefineError;
-use crate::params::RefineParams;
+use crate::error::PaperError;
+use crate::params::PaperParams;
 use incise_mesh::{Vec3, index_u32};
+use incise_refine::{EdgeDictionary, RefineError};
 
 /// Minimum height, in alpha, of a triangle to subdivide; an equilateral one has 0.87.
 const MIN_HEIGHT: f64 = 0.65;
@@ -47,69 +47,44 @@ pub fn mean_rim_length(rim: &[Vec3]) -> f64 {
 /// The rim stays as it is. [`fill`](super::fill) explains `normal` and `has_edge`.
 ///
 /// # Errors
-/// [`RefineError::TooManyTriangles`] when the patch grows over `params.max_triangles`.
+/// [`PaperError::Refine`] when the patch grows over `params.max_triangles`.
 pub fn refine(
     patch: &mut Patch,
     normal: Vec3,
     alpha: f64,
-    params: &RefineParams,
+    params: &PaperParams,
     has_edge: &impl Fn(u32, u32) -> bool,
-) -> Result<(), RefineError> {
+) -> Result<(), PaperError> {
     let rim = patch.rim_len;
     let is_taken = |a: u32, b: u32| {
         let (i, j) = (a as usize, b as usize);
         i < rim && j < rim && ((i + 1) % rim == j || (j + 1) % rim == i || has_edge(a, b))
     };
-    let dictionary = EdgeDictionary::of(&patch.triangles);
-    refine_edges(patch, dictionary, normal, alpha, params, &is_taken, |_| {
-        true
-    })
-}
-
-/// Refines like [`refine`], restricted to the swappable edges in `dictionary`.
-///
-/// `is_taken` returns whether two vertices have an edge outside of the dictionary. A triangle is
-/// not subdivided if `place` returns false for its center.
-pub(crate) fn refine_edges(
-    patch: &mut Patch,
-    mut dictionary: EdgeDictionary,
-    normal: Vec3,
-    alpha: f64,
-    params: &RefineParams,
-    is_taken: &impl Fn(u32, u32) -> bool,
-    mut place: impl FnMut(Vec3) -> bool,
-) -> Result<(), RefineError> {
+    let mut dictionary = EdgeDictionary::from_triangles(&patch.triangles);
+    let limit = params.max_triangles;
+    let too_many = RefineError::TooManyTriangles { limit };
     if is_too_fine(patch, alpha, params) {
-        return Err(RefineError::TooManyTriangles {
-            limit: params.max_triangles,
-        });
+        return Err(too_many.into());
     }
-    let mut swaps = swap_all(patch, &mut dictionary, normal, is_taken);
+    let mut swaps = swap_all(patch, &mut dictionary, normal, &is_taken);
     let mut converged = false;
     let mut rounds = 0;
     while !converged && rounds < params.max_rounds {
         converged = true;
         for i in 0..patch.triangles.len() {
-            if patch.triangles.len() > params.max_triangles {
+            if patch.triangles.len() > limit {
                 break;
             }
-            if !is_too_large(patch, i, alpha) {
-                continue;
-            }
-            let [a, b, c] = patch.triangles[i].map(|v| patch.points[v as usize]);
-            let center = (a + b + c) / 3.0;
-            if place(center) {
-                subdivide(patch, &mut dictionary, i, center);
+            if is_too_large(patch, i, alpha) {
+                subdivide(patch, &mut dictionary, i);
                 converged = false;
             }
         }
-        if patch.triangles.len() > params.max_triangles {
-            return Err(RefineError::TooManyTriangles {
-                limit: params.max_triangles,
-            });
+        if patch.triangles.len() > limit {
+            return Err(too_many.into());
         }
         if !converged {
-            swaps += swap_all(patch, &mut dictionary, normal, is_taken);
+            swaps += swap_all(patch, &mut dictionary, normal, &is_taken);
             rounds += 1;
         }
     }
@@ -124,7 +99,7 @@ pub(crate) fn refine_edges(
 ///
 /// The patch's area is at least the length of its area vector, which depends on the rim alone.
 #[expect(clippy::cast_precision_loss, reason = "a bound, far from both sides")]
-fn is_too_fine(patch: &Patch, alpha: f64, params: &RefineParams) -> bool {
+fn is_too_fine(patch: &Patch, alpha: f64, params: &PaperParams) -> bool {
     let limit = params.max_triangles as f64;
     // A round splits a triangle in three, so few rounds may stay below the limit for any area.
     let grown = patch.triangles.len() as f64 * 3f64.powf(f64::from(params.max_rounds) / 1.5);
@@ -160,10 +135,11 @@ fn is_too_large(patch: &Patch, i: usize, alpha: f64) -> bool {
 }
 
 /// Lines 12 to 22: splits a triangle into three around its center.
-fn subdivide(patch: &mut Patch, dictionary: &mut EdgeDictionary, i: usize, center: Vec3) {
+fn subdivide(patch: &mut Patch, dictionary: &mut EdgeDictionary, i: usize) {
     let [v1, v2, v3] = patch.triangles[i];
+    let [a, b, c] = patch.triangles[i].map(|v| patch.points[v as usize]);
     let vc = index_u32(patch.points.len());
-    patch.points.push(center);
+    patch.points.push((a + b + c) / 3.0);
     patch.parents.push([v1, v2, v3]);
     dictionary.split(
         [v1, v2, v3],
@@ -178,9 +154,9 @@ fn subdivide(patch: &mut Patch, dictionary: &mut EdgeDictionary, i: usize, cente
 
 #[cfg(test)]
 mod tests {
-    use crate::paper::{Patch, fill};
-    use crate::{RefineError, RefineParams, RefinementLevel};
+    use crate::{PaperError, PaperParams, Patch, fill};
     use incise_mesh::Vec3;
+    use incise_refine::{RefineError, RefinementLevel};
     use proptest::prelude::*;
     use std::collections::HashMap;
 
@@ -224,9 +200,9 @@ mod tests {
         let rim = circle(40);
         let mut last = 0;
         for level in RefinementLevel::FIVE {
-            let params = RefineParams {
+            let params = PaperParams {
                 level,
-                ..RefineParams::default()
+                ..PaperParams::default()
             };
             let patch = fill(&rim, Vec3::z(), &params, |_, _| false).unwrap();
             check(&patch);
@@ -249,12 +225,12 @@ mod tests {
 
     #[test]
     fn bad_input_is_an_error() {
-        let params = |z| RefineParams {
+        let params = |z| PaperParams {
             level: RefinementLevel::Z(z),
-            ..RefineParams::default()
+            ..PaperParams::default()
         };
         let rim = circle(8);
-        let none = RefineParams {
+        let none = PaperParams {
             rim_length: Some(0.0),
             ..params(1.0)
         };
@@ -263,20 +239,23 @@ mod tests {
         assert_eq!(text, "rim_length is 0; it must be a finite number above 0");
         for z in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             let out = fill(&rim, Vec3::z(), &params(z), |_, _| false);
-            assert!(matches!(out, Err(RefineError::Parameter(_))));
+            assert!(matches!(out, Err(PaperError::Parameter(_))));
         }
         let out = fill(&rim[..2], Vec3::z(), &params(1.0), |_, _| false);
-        assert_eq!(out, Err(RefineError::RimTooShort { vertices: 2 }));
+        assert_eq!(out, Err(PaperError::RimTooShort { vertices: 2 }));
         let mut bad = rim.clone();
         bad[5].y = f64::NAN;
         let out = fill(&bad, Vec3::z(), &params(1.0), |_, _| false);
-        assert_eq!(out, Err(RefineError::NonFinite { vertex: 5 }));
-        let small = RefineParams {
+        assert_eq!(out, Err(RefineError::NonFinite { vertex: 5 }.into()));
+        let small = PaperParams {
             max_triangles: 1000,
             ..params(1e-3)
         };
         let out = fill(&rim, Vec3::z(), &small, |_, _| false);
-        assert_eq!(out, Err(RefineError::TooManyTriangles { limit: 1000 }));
+        assert_eq!(
+            out,
+            Err(RefineError::TooManyTriangles { limit: 1000 }.into())
+        );
     }
 
     proptest! {
@@ -295,10 +274,10 @@ mod tests {
                 Vec3::new(r * a.cos(), r * a.sin(), 0.1 * r)
             }).collect();
             let level = RefinementLevel::Z(z);
-            let params = RefineParams { level, max_rounds, ..RefineParams::default() };
+            let params = PaperParams { level, max_rounds, ..PaperParams::default() };
             let free = |_, _| false;
             let patch = fill(&rim, Vec3::z(), &params, free).unwrap();
-            let tight = RefineParams { max_triangles: patch.triangles.len(), ..params };
+            let tight = PaperParams { max_triangles: patch.triangles.len(), ..params };
             prop_assert_eq!(fill(&rim, Vec3::z(), &tight, free), Ok(patch));
         }
 
@@ -309,7 +288,7 @@ mod tests {
             z in 0.4f64..2.5,
         ) {
             let rim: Vec<Vec3> = points.iter().map(|&p| p.into()).collect();
-            let params = RefineParams { level: RefinementLevel::Z(z), ..RefineParams::default() };
+            let params = PaperParams { level: RefinementLevel::Z(z), ..PaperParams::default() };
             check(&fill(&rim, Vec3::z(), &params, |_, _| false).unwrap());
         }
     }

@@ -85,7 +85,7 @@ fn connect(
     side: &Side,
     walls: &mut Vec<[Corner; 3]>,
 ) -> Vec<RingCorner> {
-    let beta = listing.paper.beta * listing.mean_edge;
+    let beta = listing.params.beta * listing.mean_edge;
     let (origin, plane_normal) = listing.sweep.plane();
     let distance = |v: VertexId| plane_normal.dot(&(surface.position(v) - origin)).abs();
     let count = index_u32(side.points.len());
@@ -99,7 +99,7 @@ fn connect(
         };
         let gap = (surface.position(v) - point.position).norm();
         let stays = distance(v) <= beta && !side.is_pinched(v);
-        if stays && gap < listing.paper.min_distance * listing.mean_edge {
+        if stays && gap < listing.params.min_distance * listing.mean_edge {
             Corner::Old(v)
         } else {
             Corner::Point(id)
@@ -227,7 +227,7 @@ fn close_ears(
     mut ring: Vec<RingCorner>,
     walls: &mut Vec<[Corner; 3]>,
 ) -> Vec<Corner> {
-    let ear_angle = listing.paper.ear_angle.to_radians();
+    let ear_angle = listing.params.ear_angle.to_radians();
     for forced in [false, true] {
         let n = ring.len();
         let mut keep = vec![true; n];

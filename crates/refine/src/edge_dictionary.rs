@@ -1,17 +1,30 @@
-//! The paper's `edgeDictionary`: interior edges of a triangle list, with their two triangles.
+//! [`EdgeDictionary`]: interior edges of a triangle list, for edge flips and triangle splits.
 //!
-//! It holds the one flip and the one triangle split of triangle lists, for the paper's refinement
-//! and for [`crate::holes`]. [`crate::section_mesh::cdt`] has those of half-edge triangulations.
-//!
-//! Algorithm A2 fills the dictionary in lines 15 and 16, but only in the `else` branch and with one
-//! triangle for each edge. Here it is built from the complete list of triangles.
+//! [`crate::holes`] refines patches with it. `section_mesh::cdt` has the flips and splits of
+//! half-edge triangulations.
 
 use incise_mesh::index_u32;
 use rustc_hash::FxHashMap;
 
-/// Interior edges in the order of their insertion, indexed by their vertices.
-#[derive(Debug, Default)]
-pub(crate) struct EdgeDictionary {
+/// The interior edges of a triangle list, with the two triangles of each.
+///
+/// Edges are numbered in the order of their insertion, and found by their vertices. Each flip and
+/// split takes O(1) on average. Methods panic on a number of no edge, and on triangles that are not
+/// those of the dictionary.
+///
+/// ```
+/// use incise_refine::EdgeDictionary;
+///
+/// let mut triangles = vec![[0, 1, 2], [0, 2, 3]];
+/// let mut dictionary = EdgeDictionary::from_triangles(&triangles);
+/// let flip = dictionary.flip_of(0, &triangles);
+/// assert_eq!((flip.ends, flip.apexes), ([2, 0], [1, 3]));
+/// dictionary.flip(&flip, &mut triangles);
+/// assert_eq!(triangles, [[1, 3, 0], [3, 1, 2]]);
+/// assert!(dictionary.contains(1, 3) && !dictionary.contains(0, 2));
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct EdgeDictionary {
     slots: FxHashMap<[u32; 2], u32>,
     edges: Vec<PatchEdge>,
     /// Whether each edge needs no test until one of its triangles changes.
@@ -29,26 +42,28 @@ struct PatchEdge {
 
 /// A flip of an interior edge, not yet applied.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Flip {
+pub struct Flip {
     /// The edge's index in the dictionary.
     edge: usize,
     /// The indices of its two triangles.
     triangles: [u32; 2],
     /// The ends of the edge, in the direction of the first triangle.
-    pub(crate) ends: [u32; 2],
+    pub ends: [u32; 2],
     /// The corner opposite to the edge in each triangle: the ends of the new edge.
-    pub(crate) apexes: [u32; 2],
+    pub apexes: [u32; 2],
 }
 
 impl Flip {
     /// Returns the two triangles that the flip would make.
-    pub(crate) const fn new_triangles(&self) -> [[u32; 3]; 2] {
+    #[must_use]
+    pub const fn new_triangles(&self) -> [[u32; 3]; 2] {
         let ([from, to], [c, d]) = (self.ends, self.apexes);
         [[c, d, to], [d, c, from]]
     }
 
     /// Returns the two triangles that the flip would replace.
-    pub(crate) fn old_triangles(&self, triangles: &[[u32; 3]]) -> [[u32; 3]; 2] {
+    #[must_use]
+    pub fn old_triangles(&self, triangles: &[[u32; 3]]) -> [[u32; 3]; 2] {
         self.triangles.map(|t| triangles[t as usize])
     }
 }
@@ -59,7 +74,8 @@ fn key(a: u32, b: u32) -> [u32; 2] {
 
 impl EdgeDictionary {
     /// Collects the edges that two of `triangles` share.
-    pub(crate) fn of(triangles: &[[u32; 3]]) -> Self {
+    #[must_use]
+    pub fn from_triangles(triangles: &[[u32; 3]]) -> Self {
         let mut sides: Vec<([u32; 2], u32)> = (0u32..)
             .zip(triangles)
             .flat_map(|(t, &[a, b, c])| [(key(a, b), t), (key(b, c), t), (key(c, a), t)])
@@ -74,12 +90,21 @@ impl EdgeDictionary {
         dictionary
     }
 
-    pub(crate) fn len(&self) -> usize {
+    /// Returns the number of edges.
+    #[must_use]
+    pub fn len(&self) -> usize {
         self.edges.len()
     }
 
+    /// Returns whether no two triangles share an edge.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.edges.is_empty()
+    }
+
     /// Returns the flip of edge `i`.
-    pub(crate) fn flip_of(&self, i: usize, triangles: &[[u32; 3]]) -> Flip {
+    #[must_use]
+    pub fn flip_of(&self, i: usize, triangles: &[[u32; 3]]) -> Flip {
         let PatchEdge {
             vertices: [a, b],
             triangles: sides,
@@ -96,7 +121,7 @@ impl EdgeDictionary {
     }
 
     /// Flips an edge: its two triangles become [`Flip::new_triangles`], in the same slots.
-    pub(crate) fn flip(&mut self, flip: &Flip, triangles: &mut [[u32; 3]]) {
+    pub fn flip(&mut self, flip: &Flip, triangles: &mut [[u32; 3]]) {
         let ([from, to], [c, d]) = (flip.ends, flip.apexes);
         let [t1, t2] = flip.triangles;
         [triangles[t1 as usize], triangles[t2 as usize]] = flip.new_triangles();
@@ -112,7 +137,7 @@ impl EdgeDictionary {
     ///
     /// `first` keeps the side from corner 0 to 1; `second` has the next side, `second + 1` the
     /// last. The caller writes the triangles.
-    pub(crate) fn split(&mut self, corners: [u32; 3], first: u32, second: u32, center: u32) {
+    pub fn split(&mut self, corners: [u32; 3], first: u32, second: u32, center: u32) {
         let ([a, b, c], third) = (corners, second + 1);
         self.unsettle(a, b);
         self.substitute(b, c, first, second);
@@ -122,7 +147,9 @@ impl EdgeDictionary {
         self.add([c, center], [second, third]);
     }
 
-    pub(crate) fn contains(&self, a: u32, b: u32) -> bool {
+    /// Returns whether two vertices have an interior edge.
+    #[must_use]
+    pub fn contains(&self, a: u32, b: u32) -> bool {
         self.slots.contains_key(&key(a, b))
     }
 
@@ -137,12 +164,13 @@ impl EdgeDictionary {
     }
 
     /// Returns whether the edge's triangles are unchanged since [`Self::settle`].
-    pub(crate) fn is_settled(&self, i: usize) -> bool {
+    #[must_use]
+    pub fn is_settled(&self, i: usize) -> bool {
         self.settled[i]
     }
 
     /// Marks edge `i` as tested, until one of its triangles changes.
-    pub(crate) fn settle(&mut self, i: usize) {
+    pub fn settle(&mut self, i: usize) {
         self.settled[i] = true;
     }
 
