@@ -91,4 +91,142 @@ namespace Incise
         /// <summary>Coulomb friction coefficient against ground, colliders and contacts.</summary>
         public const string Friction = "friction";
     }
+
+    /// <summary>Names of the counts and times of a cut.</summary>
+    public static class CutStatistic
+    {
+        /// <summary>Triangles whose bounding boxes touch the sweep.</summary>
+        public const string Candidates = "candidates";
+        /// <summary>Triangles that the sweep crosses.</summary>
+        public const string Hits = "hits";
+        /// <summary>Curves along which the sweep crosses the surface as a whole: closed ones and, in sheets, those from boundary to boundary.</summary>
+        public const string Loops = "loops";
+        /// <summary>Curves with an end where the sweep ends inside the body or the sheet: slits.</summary>
+        public const string Slits = "slits";
+        /// <summary>Vertices that snapping moved into the rim.</summary>
+        public const string SnappedVertices = "snapped_vertices";
+        /// <summary>Intersection points that snapping merged into others.</summary>
+        public const string MergedPoints = "merged_points";
+        /// <summary>Edges around the rim that remeshing flipped.</summary>
+        public const string FlippedEdges = "flipped_edges";
+        /// <summary>Vertices beside the rim that remeshing collapsed onto others.</summary>
+        public const string CollapsedVertices = "collapsed_vertices";
+        /// <summary>Intersection points that remeshing merged into others.</summary>
+        public const string CollapsedPoints = "collapsed_points";
+        /// <summary>Upper bound of the displacement of the surface by remeshing.</summary>
+        public const string MovedSurface = "moved_surface";
+        /// <summary>Volume moved by snapping and remeshing, without sign.</summary>
+        public const string MovedVolume = "moved_volume";
+        /// <summary>Rim edges left shorter than `CutParams::snap`, where a merge would change the topology or move too much volume.</summary>
+        public const string ShortRimEdges = "short_rim_edges";
+        /// <summary>Whether every cap reached its target edge length.</summary>
+        public const string Refined = "refined";
+        /// <summary>Time of the BVH query and of the intersection.</summary>
+        public const string SecondsDetection = "seconds.detection";
+        /// <summary>Time of opening the surface along the rim.</summary>
+        public const string SecondsSplit = "seconds.split";
+        /// <summary>Time of remeshing around the rim.</summary>
+        public const string SecondsRemeshing = "seconds.remeshing";
+        /// <summary>Time of meshing the caps.</summary>
+        public const string SecondsCap = "seconds.cap";
+        /// <summary>Time of refining the caps.</summary>
+        public const string SecondsRefinement = "seconds.refinement";
+        /// <summary>Time of numbering the pieces. Their search runs beside the caps of large bodies.</summary>
+        public const string SecondsSeparation = "seconds.separation";
+        /// <summary>Time of deriving the delta and the undo, and of checking the result near walls.</summary>
+        public const string SecondsCommit = "seconds.commit";
+        /// <summary>Time of updating the BVH; zero for a cutter that defers it.</summary>
+        public const string SecondsBvhUpdate = "seconds.bvh_update";
+        /// <summary>Sum of all times.</summary>
+        public const string SecondsTotal = "seconds.total";
+    }
+
+    /// <summary>Names of the counters and times of a frame.</summary>
+    public static class FrameStatistic
+    {
+        /// <summary>Blades that moved.</summary>
+        public const string Sweeps = "sweeps";
+        /// <summary>Sweeps that intersected no body.</summary>
+        public const string MissedSweeps = "missed_sweeps";
+        /// <summary>Blades that did not move, or only along their edge.</summary>
+        public const string RestingBlades = "resting_blades";
+        /// <summary>Body and sweep pairs whose bounding boxes overlapped, so that triangles were tested.</summary>
+        public const string NarrowPhaseQueries = "narrow_phase_queries";
+        /// <summary>Body and sweep pairs whose bounding boxes were disjoint.</summary>
+        public const string BroadPhaseRejections = "broad_phase_rejections";
+        /// <summary>Bodies whose bounding box was computed from all vertices.</summary>
+        public const string AabbsComputed = "aabbs_computed";
+        /// <summary>BVHs refitted to moved triangles.</summary>
+        public const string BvhRefits = "bvh_refits";
+        /// <summary>BVHs that needed no refit: no query, or no motion.</summary>
+        public const string BvhRefitsSkipped = "bvh_refits_skipped";
+        /// <summary>Triangles returned by BVH queries of sweeps.</summary>
+        public const string CandidateTriangles = "candidate_triangles";
+        /// <summary>Triangles that sweeps intersected.</summary>
+        public const string HitTriangles = "hit_triangles";
+        /// <summary>Cuts done.</summary>
+        public const string Cuts = "cuts";
+        /// <summary>Cuts that failed, see `Scene::failed_cuts`.</summary>
+        public const string FailedCuts = "failed_cuts";
+        /// <summary>Body and collider pairs passed to the solver.</summary>
+        public const string ColliderPairs = "collider_pairs";
+        /// <summary>Contacts between pieces and with blade faces, see `SceneParams::contacts`.</summary>
+        public const string Contacts = "contacts";
+        /// <summary>Bodies searched for contacts.</summary>
+        public const string ContactSearches = "contact_searches";
+        /// <summary>Bodies that were asleep during the frame, see `SleepParams`.</summary>
+        public const string SleepingBodies = "sleeping_bodies";
+        /// <summary>Bodies that fell asleep at the end of the frame.</summary>
+        public const string FellAsleep = "fell_asleep";
+        /// <summary>Bodies that woke since the previous frame.</summary>
+        public const string Woken = "woken";
+        /// <summary>CPU solver iterations saved, see `incise_pbd_gpu::SolverParams::residual`.</summary>
+        public const string IterationsSkipped = "iterations_skipped";
+        /// <summary>Bodies that took the global step, see `incise_pbd_gpu::Scheme`.</summary>
+        public const string GlobalBodies = "global_bodies";
+        /// <summary>Memory of their global steps.</summary>
+        public const string GlobalBytes = "global_bytes";
+        /// <summary>Longest time of the last factorization of a body, beside the frames or in its first one.</summary>
+        public const string FactorSeconds = "factor_seconds";
+        /// <summary>Greatest age of a factor in use, in frames since its constraints were copied.</summary>
+        public const string FactorAge = "factor_age";
+        /// <summary>CPU ground passes saved because the body was above the ground.</summary>
+        public const string GroundPassesSkipped = "ground_passes_skipped";
+        /// <summary>Bodies that the GPU steps.</summary>
+        public const string GpuBodies = "gpu_bodies";
+        /// <summary>GPU bodies stepped by one workgroup each, see `incise_pbd_gpu::Schedule`.</summary>
+        public const string WholeBodies = "whole_bodies";
+        /// <summary>GPU bodies stepped pass by pass, with one workgroup per patch.</summary>
+        public const string PatchBodies = "patch_bodies";
+        /// <summary>GPU dispatches of the frame.</summary>
+        public const string Dispatches = "dispatches";
+        /// <summary>GPU kernels compiled since the previous frame.</summary>
+        public const string KernelsCompiled = "kernels_compiled";
+        /// <summary>GPU bodies read back because their bounding box overlapped a sweep's.</summary>
+        public const string Readbacks = "readbacks";
+        /// <summary>GPU bodies that no sweep came near.</summary>
+        public const string ReadbacksSkipped = "readbacks_skipped";
+        /// <summary>Bytes uploaded to the GPU since the previous frame: edits and parameters.</summary>
+        public const string BytesUploaded = "bytes_uploaded";
+        /// <summary>Bytes read back since the previous frame: states, bounding boxes, checkpoints.</summary>
+        public const string BytesRead = "bytes_read";
+        /// <summary>Whether the scene or a body moved from the GPU to the CPU since the previous frame.</summary>
+        public const string FellBack = "fell_back";
+        /// <summary>Time of BVH refits, queries and intersection tests.</summary>
+        public const string SecondsDetection = "seconds.detection";
+        /// <summary>Time of mesh edits.</summary>
+        public const string SecondsTopology = "seconds.topology";
+        /// <summary>Time of meshing cross-sections.</summary>
+        public const string SecondsRefinement = "seconds.refinement";
+        /// <summary>Time of updating constraints and BVHs after cuts.</summary>
+        public const string SecondsConstraintUpdate = "seconds.constraint_update";
+        /// <summary>Time of uploading edited bodies to the GPU.</summary>
+        public const string SecondsGpuUpload = "seconds.gpu_upload";
+        /// <summary>Time of finding contacts.</summary>
+        public const string SecondsContactDetection = "seconds.contact_detection";
+        /// <summary>Time of the CPU solver and of submitting GPU work.</summary>
+        public const string SecondsSolver = "seconds.solver";
+        /// <summary>Sum of all times.</summary>
+        public const string SecondsTotal = "seconds.total";
+    }
 }
