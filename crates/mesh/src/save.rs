@@ -6,9 +6,7 @@
 //! code relies on, so a file cannot break an invariant.
 //!
 //! **Versions.** A change of any `Saved` type, or of a type within one, needs a new
-//! [`FORMAT_VERSION`]. The old types stay beside the new ones, with a conversion, so that old
-//! files load. A file of every version is among the tests. Until the first release version 1
-//! changes, and its file with it.
+//! [`FORMAT_VERSION`]. Files of other versions are refused.
 
 mod archive;
 mod surface;

@@ -9,6 +9,7 @@ pub(crate) mod params;
 pub(crate) mod pass;
 pub(crate) mod plan;
 pub(crate) mod prepare;
+pub(crate) mod reach;
 pub(crate) mod rounds;
 #[cfg(feature = "serde")]
 pub(crate) mod saved;

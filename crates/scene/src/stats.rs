@@ -56,8 +56,6 @@ pub struct FrameStats {
     pub factor_time: Duration,
     /// Greatest age of a factor in use, in frames since its constraints were copied.
     pub factor_age: u32,
-    /// CPU ground passes saved because the body was above the ground.
-    pub ground_passes_skipped: u32,
     /// Bodies that the GPU steps.
     pub gpu_bodies: u32,
     /// GPU bodies stepped by one workgroup each, see [`incise_pbd_gpu::Schedule`].

@@ -15,7 +15,7 @@
 //! comparing it.
 
 use incise::cut::{CutError, CutMethod, Incision, PaperParams};
-use incise::pbd::Material;
+use incise::pbd::{Collider, Material};
 use incise::prelude::*;
 use incise::refine::{RefineParams, RefinementLevel};
 use incise_models::{Model, build_model};
@@ -79,9 +79,9 @@ fn scene(body: Surface, numbers: [f64; 4]) -> String {
         contacts: Some(Default::default()),
         ..SceneParams::default()
     };
-    params.solver.ground = Some(d);
     params.solver.threads = NonZeroUsize::new(1);
     let mut scene = Scene::new(params);
+    scene.colliders.push(Collider::ground(d));
     let material = Material::soft_body();
     let body = scene.add_body(body, &material).expect("a built-in model");
     let edge = |x| [[x, y, -z], [x, y, z]];

@@ -16,8 +16,8 @@ use crate::surface::{ChannelError, InvalidSurface};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// The version that [`write_archive`] writes. Files of all versions up to it can be loaded.
-pub const FORMAT_VERSION: u32 = 1;
+/// The version of the format. Files of other versions are refused.
+pub const FORMAT_VERSION: u32 = 2;
 
 const MAGIC: [u8; 8] = *b"\x89incise\n";
 const HEADER: usize = 32;
@@ -59,8 +59,8 @@ pub enum ArchiveError {
         /// The requested content.
         expected: FileKind,
     },
-    /// The file is of a later version.
-    #[error("the file has version {version}; this program reads versions 1 to {FORMAT_VERSION}")]
+    /// The file is of another version.
+    #[error("the file has version {version}; this program reads version {FORMAT_VERSION}")]
     UnknownVersion {
         /// The version of the file.
         version: u32,
@@ -145,7 +145,7 @@ pub fn read_archive(kind: FileKind, bytes: &[u8]) -> Result<Archive<'_>, Archive
     }
     let number = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| header[at + i]));
     let version = number(12);
-    if !(1..=FORMAT_VERSION).contains(&version) {
+    if version != FORMAT_VERSION {
         return Err(ArchiveError::UnknownVersion { version });
     }
     let expected = u64::from_le_bytes(std::array::from_fn(|i| header[16 + i]));
