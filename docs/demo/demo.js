@@ -65,7 +65,8 @@ function start(mesh) {
   state.scene?.free();
   const center = [(x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2];
   const ground = y0 - DROP * diagonal;
-  scene.set({ ground, gravity: [0, GRAVITY * diagonal, 0] });
+  scene.set({ gravity: [0, GRAVITY * diagonal, 0] });
+  scene.setColliders([{ plane: { point: [0, ground, 0], normal: [0, 1, 0] } }]);
   Object.assign(state, { mesh, scene, body, diagonal, center, strokes: [], drag: null });
   state.blade = scene.addBlade(new Float32Array(6));
   applySettings();

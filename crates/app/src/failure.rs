@@ -301,19 +301,17 @@ pub(crate) enum Failure {
         /// The time at which the path ends [s].
         seconds: f64,
     },
-    /// The mesh starts below the ground, which would eject it.
+    /// The mesh starts in a plane, which would eject it.
     #[error(
-        "{}: its lowest point is at {lowest}, below the ground at {ground}, which would eject \
-         it; give --ground {lowest} or less",
+        "{}: it starts {depth} m deep in the ground or another plane, which would eject it; lower \
+         the plane, or move the mesh",
         path.display()
     )]
-    BelowGround {
+    InPlane {
         /// The file.
         path: PathBuf,
-        /// The mesh's lowest coordinate \[m\].
-        lowest: f32,
-        /// The height of the ground \[m\].
-        ground: f32,
+        /// The greatest depth of a vertex \[m\].
+        depth: f64,
     },
     /// The body cannot be simulated, or there is no GPU for it.
     #[error("{}: {source}", path.display())]
@@ -423,7 +421,7 @@ impl Failure {
             | Self::Offsets { .. }
             | Self::FarOffset { .. }
             | Self::PathAfterEnd { .. }
-            | Self::BelowGround { .. }
+            | Self::InPlane { .. }
             | Self::SameOutput { .. }
             | Self::OutputFormat { .. } => WRONG_COMMAND_LINE,
             Self::Folder { .. }

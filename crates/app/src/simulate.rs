@@ -22,8 +22,6 @@ use crate::reporter::Reporter;
 use bodies::{Bodies, Input};
 use clap::ValueEnum;
 use incise_mesh::Surface;
-#[cfg(feature = "gpu")]
-use incise_pbd_gpu::Collider;
 use incise_pbd_gpu::Material;
 use incise_scene::{BackendChoice, BackendRequest, Scene, SceneParams};
 use knife::Knife;
@@ -124,11 +122,11 @@ pub(crate) fn run(
         if let Some(export) = &file.output.export {
             pieces::check_target(export, &input.file)?;
         }
-        let ground = file.scene_params(surface.origin())?.solver.ground;
-        bodies::check_ground(surface, &input.file, ground)?;
+        let colliders = file.colliders(surface.origin())?;
+        bodies::check_planes(surface, &input.file, &colliders)?;
     }
     let origin = surfaces.first().map_or([0.0; 3], Surface::origin);
-    let params = file.scene_params(origin)?;
+    let params = file.scene_params()?;
     let mut scene = new_scene(&file, params, origin, &inputs)?;
     let mut recording = Recording::new(&file);
     let (simulate, bodies) = timed(|| {
@@ -149,14 +147,12 @@ pub(crate) fn run(
     let (write, written) = timed(|| write_pieces(&file.output, &cut_surfaces, reporter));
     let written = written?;
     #[cfg(feature = "gpu")]
-    let pictures = {
-        let ground = params.solver.ground.map(|height| Collider::Plane {
-            point: [0.0, height, 0.0],
-            normal: [0.0, 1.0, 0.0],
-        });
-        let colliders: Vec<Collider> = scene.colliders.iter().copied().chain(ground).collect();
-        pictures::draw(&recording, &file.output, &colliders, file.adapter.clone())?
-    };
+    let pictures = pictures::draw(
+        &recording,
+        &file.output,
+        &scene.colliders,
+        file.adapter.clone(),
+    )?;
     if let Some(path) = &file.output.export {
         let rate = file.output.pictures_per_second();
         for warning in export::write(&recording, rate, path)? {

@@ -49,11 +49,12 @@ static void slice(incise_mesh *mesh) {
 static void simulate(incise_mesh *mesh) {
     incise_scene_params params;
     CHECK(incise_scene_params_init(&params));
-    params.has_ground = 1;
-    params.ground = -0.6f;
     params.contacts = 1;
     incise_scene *scene;
     CHECK(incise_scene_new(&params, &scene));
+    const incise_collider ground = {
+        .kind = INCISE_COLLIDER_PLANE, .position = {0, -0.6f, 0}, .direction = {0, 1, 0}};
+    CHECK(incise_scene_set_colliders(scene, &ground, 1));
     uint32_t body, blade;
     CHECK(incise_scene_add_body(scene, mesh, NULL, &body));
     const float before[6] = {-1, 0.05f, -1, -1, 0.05f, 1};

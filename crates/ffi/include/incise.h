@@ -549,14 +549,6 @@ typedef struct {
    */
   float gravity[3];
   /*
-   1 for a ground plane at the height `ground`, 0 for none.
-   */
-  uint32_t has_ground;
-  /*
-   Height of the ground plane in meters (y axis).
-   */
-  float ground;
-  /*
    Substeps per frame.
    */
   uint32_t substeps;

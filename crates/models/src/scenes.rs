@@ -25,7 +25,7 @@ mod tests;
 use crate::{Model, build_model};
 pub use directions::{Directions, RelativePlane};
 use incise_mesh::{Surface, Vec3, VertexId};
-use incise_pbd_gpu::{Material, SolverParams};
+use incise_pbd_gpu::{Collider, Material};
 use incise_scene::{BackendRequest, BodyId, ContactParams, Scene, SceneError, SceneParams};
 pub use knot::{Rope, knot};
 pub use solids::{cuboid, joined, unit_size};
@@ -208,23 +208,22 @@ impl Grouping {
     pub const ALL: [(&'static str, Self); 2] = [("bodies", Self::Bodies), ("pieces", Self::Pieces)];
 }
 
-/// Returns the parameters of a scene with contacts, on the ground at a height \[m\] or without one.
+/// A horizontal plane through the origin.
+const GROUND: Collider = Collider::ground(0.0);
+
+/// Returns the parameters of a scene with contacts.
 #[must_use]
-pub fn touching(ground: Option<f32>) -> SceneParams {
+pub fn touching() -> SceneParams {
     SceneParams {
         dt: FRAME,
-        solver: SolverParams {
-            ground,
-            ..SolverParams::default()
-        },
         contacts: Some(ContactParams::default()),
         ..SceneParams::default()
     }
 }
 
-/// As [`touching`], without ground and gravity.
+/// As [`touching`], without gravity.
 fn weightless() -> SceneParams {
-    let mut params = touching(None);
+    let mut params = touching();
     params.solver.gravity = [0.0; 3];
     params
 }

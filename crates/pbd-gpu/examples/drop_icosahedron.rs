@@ -5,15 +5,14 @@
 #![expect(clippy::print_stdout, reason = "an example shows what it computes")]
 
 use incise_mesh::icosphere;
-use incise_pbd_gpu::{Density, Material, Solver, SolverParams};
+use incise_pbd_gpu::{Collider, Density, Material, Solver, SolverParams};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut body = icosphere(0, 0.5);
     let mut solver = Solver::new(&mut body, &Material::default())?;
-    let params = SolverParams {
-        ground: Some(-2.0),
-        ..SolverParams::default()
-    };
+    let ground = [Collider::ground(-2.0).into()];
+    solver.set_colliders(&ground)?;
+    let params = SolverParams::default();
     solver.step(&mut body, 1.0 / 60.0, &params)?; // a frame
     assert!(body.bounds().center().y < 0.0, "it falls");
 
@@ -23,6 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ..Material::default()
     };
     let mut solver = Solver::new(&mut heavier, &material)?;
+    solver.set_colliders(&ground)?;
     println!("mass {:.1} kg", solver.total_mass());
     for frame in 0..120 {
         if frame % 6 == 0 {

@@ -16,7 +16,7 @@
 //! the body changes, with a [`local`] one for the changed region and exact translations of
 //! [`free_pieces`], and [`minimizer`] iterates. Pins hold by their zero inverse mass. Volumes are
 //! projected after each iteration, as with sweeps, and directions keep incompressible ones to first
-//! order. Near [`obstacles`], the ground and colliders, and in contact with others a body takes
+//! order. Near [`obstacles`] and in contact with others a body takes
 //! sweeps, after which it is [settling](minimizer::settling).
 //!
 //! Results are the same on any number of threads. Unlike those of sweeps they depend on the

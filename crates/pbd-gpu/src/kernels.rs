@@ -19,7 +19,6 @@ pub(crate) mod bounds;
 pub(crate) mod colliders;
 pub(crate) mod contact_features;
 pub(crate) mod contacts;
-pub(crate) mod ground;
 pub(crate) mod integrate;
 pub(crate) mod lanes;
 pub(crate) mod particle_state;

@@ -100,7 +100,7 @@ incise_params::params! {
         interior_springs: Option<InteriorSprings> = None;
         /// Rate at which velocities decay; bodies rebound less with it.
         damping: f32 = 0.0, range: Range::NOT_NEGATIVE, unit: "1/s";
-        /// Coulomb friction coefficient against ground, colliders and contacts.
+        /// Coulomb friction coefficient against colliders and contacts.
         friction: f32 = 0.5, range: Range::NOT_NEGATIVE;
     }
 }

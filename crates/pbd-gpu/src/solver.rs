@@ -173,7 +173,7 @@ impl Solver {
 
     /// Returns the number of substeps of a frame of `dt` \[s\], at least that of the parameters.
     pub(crate) fn needed_substeps(&mut self, dt: f32, params: &SolverParams) -> u32 {
-        if params.ground.is_none() || takes_global_step(&self.step, params) {
+        if self.constraints.colliders.planes().is_empty() || takes_global_step(&self.step, params) {
             return params.substeps;
         }
         let body = Lengths {

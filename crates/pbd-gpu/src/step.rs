@@ -11,6 +11,7 @@ pub(crate) mod params;
 pub(crate) mod pass;
 pub(crate) mod plan;
 pub(crate) mod prepare;
+pub(crate) mod reach;
 pub(crate) mod rounds;
 pub(crate) mod second_order;
 pub(crate) mod stage;

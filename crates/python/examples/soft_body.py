@@ -11,7 +11,8 @@ import incise
 
 
 def main() -> None:
-    scene = incise.Scene(ground=-0.8, contacts=True)
+    scene = incise.Scene(contacts=True)
+    scene.set_colliders([{"plane": {"point": [0, -0.8, 0], "normal": [0, 1, 0]}}])
     body = scene.add_body(incise.model("Sphere768"), "soft-body", friction=0.8)
     edge = np.array([[0.05, 1.0, -1.0], [0.05, 1.0, 1.0]])
     blade = scene.add_blade(edge)

@@ -16,6 +16,10 @@ def edge(x: float) -> Any:
     return [[x, 0.1, -2.0], [x, 0.1, 2.0]]
 
 
+def ground(height: float) -> Any:
+    return {"plane": {"point": [0.0, height, 0.0], "normal": [0.0, 1.0, 0.0]}}
+
+
 def test_a_weightless_body_stays_where_it_is(sphere: incise.Mesh) -> None:
     scene = incise.Scene(gravity=(0, 0, 0), sleep=False)
     body = scene.add_body(sphere)
@@ -39,7 +43,8 @@ def test_a_free_body_falls_as_in_a_vacuum(sphere: incise.Mesh) -> None:
 
 
 def test_a_blade_cuts_a_body_in_motion(sphere: incise.Mesh) -> None:
-    scene = incise.Scene(ground=-0.5)
+    scene = incise.Scene()
+    scene.set_colliders([ground(-0.5)])
     body = scene.add_body(sphere)
     blade = scene.add_blade(edge(-2))
     assert scene.step().cuts == 0
@@ -60,7 +65,8 @@ def test_a_blade_cuts_a_body_in_motion(sphere: incise.Mesh) -> None:
 
 def test_scenes_repeat_their_bits_on_any_number_of_threads(bunny: incise.Mesh) -> None:
     def run(threads: int) -> bytes:
-        scene = incise.Scene(ground=-0.5, threads=threads)
+        scene = incise.Scene(threads=threads)
+        scene.set_colliders([ground(-0.5)])
         body = scene.add_body(bunny)
         blade = scene.add_blade(edge(-2))
         for x in (-2, 2, 2):
@@ -155,7 +161,7 @@ def test_bad_materials_are_refused(sphere: incise.Mesh, keys: Any, text: str) ->
         ({"dt": 0.0}, "dt is 0"),
         ({"iterations": 0}, "iteration"),
         ({"gravity": [0, 0]}, "it must be 3 numbers"),
-        ({"ground": float("inf")}, "ground"),
+        ({"residual": float("inf")}, "residual"),
         ({"contacts": {"thickness": -1.0}}, "thickness"),
         ({"contacts": {"depth": 1.0}}, "depth"),
         ({"level": "finest"}, "level is 'finest'"),

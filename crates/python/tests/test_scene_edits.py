@@ -18,6 +18,10 @@ def edge(x: float, y: float = 0.1) -> Any:
     return [[x, y, -2.0], [x, y, 2.0]]
 
 
+def ground(height: float) -> Any:
+    return {"plane": {"point": [0.0, height, 0.0], "normal": [0.0, 1.0, 0.0]}}
+
+
 def slice_body(scene: incise.Scene, blade: int, y: float) -> None:
     scene.teleport_blade(blade, edge(-2, y))
     scene.set_blade(blade, edge(2, y))
@@ -87,10 +91,11 @@ def test_a_ray_hits_the_nearest_face(sphere: incise.Mesh) -> None:
 
 
 def test_changed_parameters_are_those_of_a_new_scene(sphere: incise.Mesh) -> None:
-    new: Any = {"dt": 0.01, "substeps": 4, "iterations": 2, "gravity": [0, -1, 0], "ground": -0.51}
+    new: Any = {"dt": 0.01, "substeps": 4, "iterations": 2, "gravity": [0, -1, 0]}
     changed, made = incise.Scene(), incise.Scene(**new)
     changed.set_params(**new)
     for scene in (changed, made):
+        scene.set_colliders([ground(-0.51)])
         scene.add_body(sphere)
         for _ in range(20):
             scene.step()
@@ -131,7 +136,8 @@ def test_a_changed_material_is_that_of_a_new_body(sphere: incise.Mesh) -> None:
     positions = []
     oiled: Any = {"damping": 5.0, "friction": 0.0}
     for first, then in (({}, oiled), (oiled, {})):
-        scene = incise.Scene(ground=-0.55)
+        scene = incise.Scene()
+        scene.set_colliders([ground(-0.55)])
         body = scene.add_body(sphere, "soft-body", **first)
         scene.set_material(body, **then)
         for _ in range(20):
@@ -141,7 +147,8 @@ def test_a_changed_material_is_that_of_a_new_body(sphere: incise.Mesh) -> None:
 
 
 def test_a_loaded_scene_goes_on_with_the_same_bits(bunny: incise.Mesh) -> None:
-    scene = incise.Scene(ground=-0.5, contacts=True)
+    scene = incise.Scene(contacts=True)
+    scene.set_colliders([ground(-0.5)])
     body = scene.add_body(bunny)
     blade = scene.add_blade(edge(-2))
     slice_body(scene, blade, 0.1)
@@ -247,7 +254,7 @@ def test_numbers_that_are_not_finite_are_refused_at_the_call(
         ("compliance", lambda: scene.set_material(body, stretch={"compliance": value})),
         ("pressure", lambda: scene.add_body(sphere, volume={"pressure": value})),
     ]
-    for name in ("dt", "ground", "grading", "snap", "remesh", "level"):
+    for name in ("dt", "residual", "grading", "snap", "remesh", "level"):
         option: Any = {name: value}
         calls.append((name, lambda option=option: scene.set_params(**option)))
         calls.append((name, lambda option=option: incise.Scene(**option)))
@@ -279,10 +286,10 @@ def test_counts_out_of_range_name_the_argument(options: Any, text: str) -> None:
 
 
 def test_unknown_options_of_a_scene_list_those_of_a_scene() -> None:
-    misspelled: Any = {"grond": 1}
+    misspelled: Any = {"residal": 1}
     scene = incise.Scene()
     for call in (lambda: incise.Scene(**misspelled), lambda: scene.set_params(**misspelled)):
-        with pytest.raises(TypeError, match="'grond'; the names are dt.*ground.*level"):
+        with pytest.raises(TypeError, match="'residal'; the names are dt.*residual.*level"):
             call()
     with pytest.raises(TypeError, match="substeps is '1.5'; it must be a whole number"):
         incise.Scene(substeps=1.5)  # type: ignore[arg-type]

@@ -36,7 +36,8 @@ def cut(mesh: incise.Mesh, method: str, level: str, numbers: list[float]) -> str
 def fall(mesh: incise.Mesh, numbers: list[float]) -> str:
     """Lets a body fall on a floor, and cuts it in frames 10 and 11."""
     x, y, z, d = numbers
-    scene = incise.Scene(ground=d, contacts=True, threads=1)
+    scene = incise.Scene(contacts=True, threads=1)
+    scene.set_colliders([{"plane": {"point": [0, d, 0], "normal": [0, 1, 0]}}])
     body = scene.add_body(mesh)
     blade = scene.add_blade([[-x, y, -z], [-x, y, z]])
     for frame in range(90):

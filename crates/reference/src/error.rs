@@ -13,13 +13,14 @@ pub enum ReferenceError {
         k: f32,
     },
     /// Friction, which has no energy.
-    #[error(
-        "friction of {coefficient} belongs to no energy; take 0 for a body that meets the ground"
-    )]
+    #[error("friction of {coefficient} belongs to no energy; take 0 for a body that meets a plane")]
     Friction {
         /// The coefficient of friction.
         coefficient: f32,
     },
+    /// Colliders other than one plane at rest.
+    #[error("the reference supports one plane at rest and no other collider")]
+    Collider,
     /// A constraint with a vertex that does not exist.
     #[error("constraint {constraint} names vertex {vertex} of {vertices}")]
     VertexOutOfRange {
@@ -54,7 +55,7 @@ pub enum ReferenceError {
         name: &'static str,
     },
     /// A model that rigid patches do not solve.
-    #[error("rigid patches support no rigid constraints, ground or volumes; use another scheme")]
+    #[error("rigid patches support no rigid constraints, plane or volumes; use another scheme")]
     NoPatches,
     /// A step that did not converge.
     #[error(

@@ -58,7 +58,7 @@ pub use edge::edge;
 pub use error::ReferenceError;
 pub use hinge::hinge;
 pub use measure::Measure;
-pub use model::{Constraints, Model, State};
+pub use model::{Constraints, Model, Plane, State};
 pub use patches::PatchStepper;
 pub use step::{StepReport, Stepper};
 pub use volume::{Piece, Volumes};

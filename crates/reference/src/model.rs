@@ -3,7 +3,7 @@
 use super::error::ReferenceError;
 use super::volume::{Piece, Volumes};
 use incise_mesh::Surface;
-use incise_pbd_gpu::{ConstraintSet, Solver, SolverParams, Stiffness};
+use incise_pbd_gpu::{Collider, ConstraintSet, MovingCollider, Solver, SolverParams, Stiffness};
 use nalgebra::Vector3;
 
 /// Constraints of one kind over `N` vertices each.
@@ -32,8 +32,38 @@ pub struct Model {
     pub gravity: Vector3<f64>,
     /// Decay rate of velocities [1/s].
     pub damping: f64,
-    /// Height of a frictionless ground plane \[m\].
-    pub ground: Option<f64>,
+    /// A plane without friction at rest.
+    pub plane: Option<Plane>,
+}
+
+/// A plane that vertices do not pass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plane {
+    /// Outward unit normal.
+    pub normal: Vector3<f64>,
+    /// Distance from the origin along the normal \[m\].
+    pub offset: f64,
+}
+
+impl Plane {
+    /// Returns the plane of a solver's only collider, if it has one.
+    fn of(solver: &Solver) -> Result<Option<Self>, ReferenceError> {
+        let wide = |p: [f32; 3]| Vector3::from(p.map(f64::from));
+        match solver.colliders() {
+            [] => Ok(None),
+            &[
+                MovingCollider {
+                    start: Collider::Plane { point, normal },
+                    velocity: [0.0, 0.0, 0.0],
+                },
+            ] => {
+                let normal = wide(normal).normalize();
+                let offset = normal.dot(&wide(point));
+                Ok(Some(Self { normal, offset }))
+            }
+            _ => Err(ReferenceError::Collider),
+        }
+    }
 }
 
 /// Positions and velocities of a body.
@@ -50,14 +80,16 @@ impl Model {
     ///
     /// # Errors
     /// [`ReferenceError::NoEnergy`] for a stiffness other than a compliance or 1,
-    /// [`ReferenceError::Friction`] for a ground with friction.
+    /// [`ReferenceError::Friction`] for a plane with friction, [`ReferenceError::Collider`] for
+    /// other colliders.
     pub fn of(
         solver: &Solver,
         surface: &Surface,
         params: &SolverParams,
     ) -> Result<Self, ReferenceError> {
         let material = solver.material();
-        if params.ground.is_some() && material.friction > 0.0 {
+        let plane = Plane::of(solver)?;
+        if plane.is_some() && material.friction > 0.0 {
             let coefficient = material.friction;
             return Err(ReferenceError::Friction { coefficient });
         }
@@ -81,7 +113,7 @@ impl Model {
             volumes: volumes(solver, surface)?,
             gravity: params.gravity.map(f64::from).into(),
             damping: material.damping.into(),
-            ground: params.ground.map(f64::from),
+            plane,
         })
     }
 }

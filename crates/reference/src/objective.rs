@@ -9,7 +9,7 @@ use super::edge::Edge;
 use super::hinge::Hinge;
 use super::matrix::System;
 use super::measure::{Kind, energy_hessian};
-use super::model::{Constraints, Model};
+use super::model::{Constraints, Model, Plane};
 use super::volume::{Piece, side_blocks};
 use nalgebra::{Matrix3, Vector3};
 
@@ -30,7 +30,7 @@ const ROUNDING: f64 = f64::EPSILON;
 /// Multipliers of one kind of constraints, all of shape \[constraints\].
 #[derive(Debug, Clone, Default)]
 pub(super) struct Multipliers {
-    /// Multipliers: \[N\] for edges and the ground, [N m] for hinges, [Pa m^1.5] for pieces.
+    /// Multipliers: \[N\] for edges and the plane, [N m] for hinges, [Pa m^1.5] for pieces.
     pub(super) lambda: Vec<f64>,
     compliance: f64,
     /// Number of times that the regularization was reduced.
@@ -65,7 +65,7 @@ pub(super) struct Objective<'a> {
     goal: Vec<Vector3<f64>>,
     pub(super) stretch: Multipliers,
     pub(super) bending: Multipliers,
-    pub(super) ground: Multipliers,
+    pub(super) plane: Multipliers,
     /// Multipliers of pieces, scaled as the constraint function of
     /// [`Piece`](super::volume::Piece).
     pub(super) volume: Multipliers,
@@ -83,10 +83,10 @@ impl<'a> Objective<'a> {
         goal: Vec<Vector3<f64>>,
     ) -> Self {
         let inertia = h.powi(-2) * (1.0 + model.damping * h);
-        let mut ground = Multipliers::default();
-        if model.ground.is_some() {
+        let mut plane = Multipliers::default();
+        if model.plane.is_some() {
             for &mass in &model.mass {
-                ground.add(h, if mass > 0.0 { mass.recip() } else { 0.0 });
+                plane.add(h, if mass > 0.0 { mass.recip() } else { 0.0 });
             }
         }
         let mut volume = Multipliers {
@@ -102,7 +102,7 @@ impl<'a> Objective<'a> {
             inertia,
             stretch: multipliers::<Edge, 2>(model, &model.stretch, h, x),
             bending: multipliers::<Hinge, 4>(model, &model.bending, h, x),
-            ground,
+            plane,
             volume,
             rounding: 0.0,
             goal,
@@ -117,7 +117,7 @@ impl<'a> Objective<'a> {
         let mut square = sharpness::<Edge, 2>(&model.stretch, &self.stretch, x)
             + sharpness::<Hinge, 4>(&model.bending, &self.bending, x)
             + self.inertia * model.mass.iter().sum::<f64>()
-            + self.ground.stiffness.iter().sum::<f64>();
+            + self.plane.stiffness.iter().sum::<f64>();
         let mut rough = 0.0;
         for (piece, stiffness) in model.volumes.pieces.iter().zip(&self.volume.stiffness) {
             let slopes: f64 = piece.gradient(x).iter().map(Vector3::norm_squared).sum();
@@ -182,9 +182,9 @@ impl<'a> Objective<'a> {
             let (sunk, stiffness) = self.sunk(v, x);
             let mut force = (x - self.goal[v]) * weight;
             let mut block = Matrix3::from_diagonal_element(weight);
-            if sunk < 0.0 {
-                force.y += sunk * stiffness;
-                block[(1, 1)] += stiffness;
+            if let Some(Plane { normal, .. }) = model.plane.filter(|_| sunk < 0.0) {
+                force += normal * (sunk * stiffness);
+                block += normal * normal.transpose() * stiffness;
             }
             into.gradient.push(force);
             if let Some(matrix) = &mut into.matrix {
@@ -204,13 +204,13 @@ impl<'a> Objective<'a> {
         into.gradient
     }
 
-    /// Returns the depth of a vertex in the ground \[m\], negative, 0 above it, and the inverse
+    /// Returns the depth of a vertex in the plane \[m\], negative, 0 above it, and the inverse
     /// compliance.
     fn sunk(&self, v: usize, x: &Vector3<f64>) -> (f64, f64) {
-        match self.model.ground {
-            Some(height) => {
-                let push = &self.ground;
-                let off = x.y - height - push.mu[v] * push.lambda[v];
+        match self.model.plane {
+            Some(Plane { normal, offset }) => {
+                let push = &self.plane;
+                let off = normal.dot(x) - offset - push.mu[v] * push.lambda[v];
                 (off.min(0.0), push.stiffness[v])
             }
             None => (0.0, 0.0),
@@ -221,7 +221,7 @@ impl<'a> Objective<'a> {
     pub(super) fn stiffen(&mut self, x: &[Vector3<f64>]) {
         self.stretch.stiffen();
         self.bending.stiffen();
-        self.ground.stiffen();
+        self.plane.stiffen();
         self.volume.stiffen();
         self.rounding = self.rounding_at(x);
     }
@@ -232,10 +232,10 @@ impl<'a> Objective<'a> {
         let model = self.model;
         let mut square = update::<Edge, 2>(&model.stretch, &mut self.stretch, x);
         square += update::<Hinge, 4>(&model.bending, &mut self.bending, x);
-        if model.ground.is_some() {
+        if model.plane.is_some() {
             for (v, x) in x.iter().enumerate() {
                 let (sunk, stiffness) = self.sunk(v, x);
-                square += self.ground.set(v, -sunk * stiffness);
+                square += self.plane.set(v, -sunk * stiffness);
             }
         }
         let off: Vec<_> = self.off_volume(x).collect();

@@ -47,12 +47,12 @@ impl<'a> PatchStepper<'a> {
     /// Divides the free vertices of a model by their positions `x` \[m\].
     ///
     /// # Errors
-    /// [`ReferenceError::NoPatches`] for rigid constraints, a ground or volumes.
+    /// [`ReferenceError::NoPatches`] for rigid constraints, a plane or volumes.
     pub fn new(model: &'a Model, x: &[Vector3<f64>]) -> Result<Self, ReferenceError> {
         let (stretch, bending) = (&model.stretch, &model.bending);
         let is_rigid = stretch.compliance <= 0.0 && !stretch.rest.is_empty()
             || bending.compliance <= 0.0 && !bending.rest.is_empty();
-        if is_rigid || model.ground.is_some() || !model.volumes.pieces.is_empty() {
+        if is_rigid || model.plane.is_some() || !model.volumes.pieces.is_empty() {
             return Err(ReferenceError::NoPatches);
         }
         let whole = Patch {

@@ -2,7 +2,7 @@
 
 use super::error::ReferenceError;
 use super::matrix::System;
-use super::model::{Constraints, Model, State};
+use super::model::{Constraints, Model, Plane, State};
 use super::objective::Objective;
 use nalgebra::Vector3;
 
@@ -63,8 +63,8 @@ pub struct StepReport {
     pub stretch: Vec<f64>,
     /// Multipliers of hinges [N m], shape \[hinges\].
     pub bending: Vec<f64>,
-    /// Forces of the ground \[N\], shape \[vertices\]; empty without ground.
-    pub ground: Vec<f64>,
+    /// Forces of the plane \[N\], shape \[vertices\]; empty without plane.
+    pub plane: Vec<f64>,
     /// Overpressure of pieces \[Pa\], shape \[pieces\].
     pub pressure: Vec<f64>,
 }
@@ -116,7 +116,7 @@ impl<'a> Stepper<'a> {
         Ok(StepReport {
             stretch: objective.stretch.lambda,
             bending: objective.bending.lambda,
-            ground: objective.ground.lambda,
+            plane: objective.plane.lambda,
             pressure: (objective.volume.lambda.iter())
                 .zip(&self.model.volumes.pieces)
                 .map(|(lambda, piece)| lambda * piece.scale())
@@ -305,8 +305,12 @@ fn check(model: &Model) -> Result<(), ReferenceError> {
     if !(good(model.damping) && model.gravity.iter().all(|g| g.is_finite())) {
         return bad("gravity or damping");
     }
-    if model.ground.is_some_and(|height| !height.is_finite()) {
-        return bad("the ground");
+    let is_bad = |plane: Plane| {
+        let square = plane.normal.norm_squared();
+        !((square - 1.0).abs() < 1e-6 && plane.offset.is_finite())
+    };
+    if model.plane.is_some_and(is_bad) {
+        return bad("the plane");
     }
     let volumes = &model.volumes;
     if !good(volumes.compressibility) {

@@ -4,7 +4,7 @@ use super::edge::{Edge, edge};
 use super::hinge::{Hinge, hinge};
 use super::matrix::System;
 use super::measure::{Kind, Measure, energy_hessian};
-use super::model::{Constraints, Model};
+use super::model::{Constraints, Model, Plane};
 use super::objective::Objective;
 use super::volume::{Piece, Volumes};
 use nalgebra::{Rotation3, Vector3};
@@ -183,7 +183,7 @@ fn angles_are_compared_the_short_way_round() {
     );
 }
 
-/// Two triangles with a hinge, one vertex held, on the ground, with multipliers.
+/// Two triangles with a hinge, one vertex held, on a plane, with multipliers.
 fn small() -> (Model, Vec<Vector3<f64>>, Vec<Vector3<f64>>) {
     let x: Vec<Vector3<f64>> = hinge_points(0.4, 1.0).to_vec();
     let goal = x
@@ -202,7 +202,10 @@ fn small() -> (Model, Vec<Vector3<f64>>, Vec<Vector3<f64>>) {
             rest: vec![0.1],
             compliance: 0.0,
         },
-        ground: Some(0.3),
+        plane: Some(Plane {
+            normal: Vector3::new(0.6, 0.8, 0.0),
+            offset: 0.3,
+        }),
         ..Model::default()
     };
     (model, x, goal)

@@ -5,7 +5,7 @@
 #![expect(clippy::print_stdout, reason = "an example prints its results")]
 
 use incise_mesh::icosphere;
-use incise_pbd_gpu::{Material, Volume};
+use incise_pbd_gpu::{Collider, Material, Volume};
 use incise_scene::{ContactParams, Scene, SceneError, SceneParams};
 
 fn main() -> Result<(), SceneError> {
@@ -17,17 +17,18 @@ fn main() -> Result<(), SceneError> {
     println!("{} cut", scene.step()?.cuts);
     println!("{} pieces", scene.body(body)?.pieces().len());
 
-    let mut params = SceneParams {
+    let params = SceneParams {
         contacts: Some(ContactParams::default()),
         ..SceneParams::default()
     };
-    // The center starts 1.5 m above the ground. A volume constraint keeps the pieces in shape.
-    params.solver.ground = Some(-1.5);
+    // A volume constraint keeps the pieces in shape.
     let material = Material {
         volume: Some(Volume::default()),
         ..Material::default()
     };
     let mut scene = Scene::new(params);
+    // The center starts 1.5 m above the ground.
+    scene.colliders.push(Collider::ground(-1.5));
     let body = scene.add_body(icosphere(3, 0.5), &material)?;
     let blade = scene.add_blade([[-2.0, 0.1, -2.0], [-2.0, 0.1, 2.0]]);
     for frame in 0..120 {

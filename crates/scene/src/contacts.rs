@@ -9,7 +9,7 @@
 //!    [`edge_pairs`] finds the sharp edges that cross each other. [`folds`] tells contacts within
 //!    a piece from sides that face each other through it.
 //! 4. [`persistent`] keeps a contact from frame to frame while the vertex hardly moves.
-//! 5. [`carriers`] finds which piece of a contact carries the other one above the ground.
+//! 5. [`carriers`] finds which piece of a contact carries the other one above a plane.
 //! 6. [`press`] finds how heavy pieces press thin ones.
 //! 7. [`overlaps`] finds pieces deep in each other, which the next frames move apart.
 //!
@@ -45,9 +45,10 @@ use body_rows::BodyRows;
 use broad_phase::Pieces;
 use carriers::Carriers;
 use edge_pairs::EdgePairs;
+use incise_mesh::geometry::to_f64;
 use incise_mesh::{Aabb, MovingPoint, Vec3};
 use incise_params::Range;
-use incise_pbd_gpu::MovingCollider;
+use incise_pbd_gpu::{Collider, MovingCollider};
 use motion::Motion;
 use narrow_phase::Search;
 use near_bodies::{NearBodies, reachable_bounds};
@@ -89,13 +90,19 @@ pub(crate) struct ContactFrame<'a> {
     pub(crate) gravity: Vec3,
     /// Maximum speed that gravity adds within the frame [m/s].
     pub(crate) speed_gain: f64,
-    /// Height of the ground \[m\].
-    pub(crate) ground: Option<f32>,
     pub(crate) colliders: &'a [MovingCollider],
     pub(crate) blade_faces: &'a [BladeFace],
 }
 
 impl ContactFrame<'_> {
+    /// Returns a point \[m\] and the unit normal of each plane.
+    fn planes(&self) -> impl Iterator<Item = (Vec3, Vec3)> {
+        self.colliders.iter().filter_map(|c| match c.start {
+            Collider::Plane { point, normal } => Some((to_f64(point), to_f64(normal).normalize())),
+            _ => None,
+        })
+    }
+
     /// Returns the minimum distance of other surfaces from a body's thickest pieces \[m\].
     fn thickness(&self, body: &Body) -> f64 {
         f64::from(self.params.thickness) * body.solver().mean_rest_length()

@@ -229,7 +229,6 @@ fn contact_frame<'a>(
         dt,
         gravity,
         speed_gain: gravity.norm() * dt,
-        ground: scene.solver.ground,
         colliders,
         blade_faces,
     }

@@ -57,8 +57,6 @@ incise_params::report! {
         factor_seconds: f64, unit: "s";
         /// Greatest age of a factor in use, in frames since its constraints were copied.
         factor_age: u32;
-        /// CPU ground passes saved because the body was above the ground.
-        ground_passes_skipped: u32;
         /// Bodies that the GPU steps.
         gpu_bodies: u32;
         /// GPU bodies stepped by one workgroup each, see [`incise_pbd_gpu::Schedule`].

@@ -1,5 +1,6 @@
 //! A pair of equal bodies, one on the CPU and one on a GPU, compared bit for bit.
 
+use crate::params::set_ground;
 use incise_mesh::Surface;
 use incise_pbd_gpu::{
     GpuBackend, GpuBody, InteriorSprings, Material, PatchParams, Schedule, Solver, SolverParams,
@@ -29,7 +30,6 @@ pub fn with_most_features() -> (Material, SolverParams) {
     let params = SolverParams {
         iterations: 2,
         substeps: 3,
-        ground: Some(-1.1),
         ..SolverParams::paper()
     };
     (material, params)
@@ -52,7 +52,8 @@ pub fn with_attachments() -> (Material, SolverParams) {
     (material, params)
 }
 
-/// Creates a solver that supports a schedule, with small patches and random interior springs.
+/// Creates a solver that supports a schedule, with small patches, random interior springs and a
+/// horizontal plane at -1.1 m.
 ///
 /// # Panics
 /// If the surface is invalid.
@@ -71,6 +72,7 @@ pub fn solver_for(surface: &mut Surface, material: &Material, schedule: Schedule
         let ends: Vec<_> = ends.step_by(2).collect();
         (solver.add_interior_springs(surface, &ends)).expect("vertices of the body");
     }
+    set_ground(&mut solver, -1.1);
     solver
 }
 

@@ -1,26 +1,28 @@
 //! Solver parameters of tests.
 
-use incise_pbd_gpu::SolverParams;
+use incise_pbd_gpu::{Collider, MovingCollider, Solver, SolverParams};
 
-/// Ground at height 0 and ten iterations of one substep, which is harder than the default.
-pub const GROUND: SolverParams = SolverParams {
+/// Ten iterations of one substep, which is harder than the default.
+pub const TEN_ITERATIONS: SolverParams = SolverParams {
     iterations: 10,
     substeps: 1,
     gravity: [0.0, -9.81, 0.0],
-    ground: Some(0.0),
     diagonal_scale: 0.5,
     attachments: true,
     ..SolverParams::paper()
 };
 
-/// As [`GROUND`], without the ground.
-pub const HANGING: SolverParams = SolverParams {
-    ground: None,
-    ..GROUND
-};
-
-/// As [`HANGING`], without gravity.
+/// As [`TEN_ITERATIONS`], without gravity.
 pub const WEIGHTLESS: SolverParams = SolverParams {
     gravity: [0.0; 3],
-    ..HANGING
+    ..TEN_ITERATIONS
 };
+
+/// Sets a horizontal plane at a height \[m\] as the only collider of a body.
+///
+/// # Panics
+/// If the height is not finite.
+pub fn set_ground(solver: &mut Solver, height: f32) {
+    let ground = MovingCollider::from(Collider::ground(height));
+    (solver.set_colliders(&[ground])).expect("a finite height");
+}

@@ -1,7 +1,7 @@
 //! Commands and settings of a session, as serializable data.
 
 use incise_params::{ParamError, Parameter, Params, Value};
-use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Stiffness, Volume};
+use incise_pbd_gpu::{Collider, InteriorSprings, Material, SolverParams, Stiffness, Volume};
 use incise_scene::{BladeMode, ContactParams, SceneParams};
 use serde::{Deserialize, Serialize};
 
@@ -68,11 +68,11 @@ pub enum Command {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Value")]
 pub struct Settings {
-    /// Parameters of the scene; [`Self::ground`] and cuts that end inside replace some.
+    /// Parameters of the scene; cuts that end inside replace some.
     pub scene: SceneParams,
     /// Material of the body.
     pub material: Material,
-    /// Enables the ground plane.
+    /// Adds a horizontal plane below the body.
     pub ground: bool,
     /// Lets cuts end inside the body.
     ///
@@ -169,12 +169,17 @@ impl Settings {
         }
     }
 
-    /// Returns the scene parameters for a ground at this height \[m\].
+    /// Returns the colliders of the scene, for a ground at this height \[m\].
+    pub(crate) fn colliders(&self, ground: f32) -> Vec<Collider> {
+        let ground = self.ground.then(|| Collider::ground(ground));
+        ground.into_iter().collect()
+    }
+
+    /// Returns the parameters of the scene.
     ///
     /// The walls of cuts that end inside the body collide with each other if there are any.
-    pub(crate) fn scene(&self, ground: f32, has_walls: bool) -> SceneParams {
+    pub(crate) fn scene(&self, has_walls: bool) -> SceneParams {
         let mut params = self.scene;
-        params.solver.ground = self.ground.then_some(ground);
         if let Some(contacts) = &mut params.contacts {
             contacts.self_collision |= has_walls;
         }

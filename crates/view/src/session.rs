@@ -101,7 +101,8 @@ impl Session {
         let diagonal = round_to_f32(bounds.diagonal());
         let ground = bounds.min[1] - DROP * diagonal;
         let recording = Recording::new(&surface, settings);
-        scene.params = settings.scene(ground, false);
+        scene.params = settings.scene(false);
+        scene.colliders = settings.colliders(ground);
         let body = scene.add_body(surface.clone(), &settings.material)?;
         let blade = scene.add_blade([[0.0; 3]; 2]);
         Ok(Self {

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod arguments;
+mod colliders;
 mod error;
 mod flat_arrays;
 mod memory_views;

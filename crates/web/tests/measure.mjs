@@ -10,7 +10,9 @@ async function measure({ Mesh, Scene }) {
   for (const name of ["Bunny", "Armadillo"]) {
     const mesh = Mesh.model(name);
     const scene = new Scene();
-    scene.set({ ground: mesh.bounds()[1], sleep: false });
+    scene.set({ sleep: false });
+    const floor = { point: [0, mesh.bounds()[1], 0], normal: [0, 1, 0] };
+    scene.setColliders([{ plane: floor }]);
     const body = scene.addBody(mesh);
     const before = new Float32Array([-2, 0.02, -2, -2, 0, 2]);
     const after = new Float32Array([2, 0.02, -2, 2, 0, 2]);

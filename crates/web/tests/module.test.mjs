@@ -95,7 +95,9 @@ test("hostile cuts and ids are exceptions", () => {
   refuses(() => scene.addBlade(undefined), /./);
   for (const bad of [NaN, Infinity]) {
     refuses(() => scene.set({ dt: bad }), /dt is .*; it must be a finite number above 0/);
-    refuses(() => scene.set({ ground: bad }), /ground is .*; it must be a finite number/);
+    refuses(() => scene.set({ residual: bad }), /residual is .*; it must be a finite number/);
+    const ball = { center: [0, bad, 0], radius: 1 };
+    refuses(() => scene.setColliders([{ sphere: ball }]), /collider 0/);
     refuses(() => scene.set({ gravity: [0, bad, 0] }), /gravity is/);
     const edge = new Float32Array([0, 0, 0, 0, bad, 0]);
     refuses(() => scene.addBlade(edge), /edge of the blade has the coordinate/);
@@ -113,6 +115,10 @@ test("hostile cuts and ids are exceptions", () => {
   assert.equal(scene.get("substeps"), 16);
   assert.equal(scene.params.solver.substeps, 16);
   refuses(() => scene.set({ floor: 0 }), /no parameter 'floor'; the names are dt/);
+  refuses(() => scene.setColliders(5), /a list of objects/);
+  refuses(() => scene.setColliders([{ cone: {} }]), /colliders\[0\] is .* plane, sphere/);
+  refuses(() => scene.setColliders([{ sphere: { radius: 1 } }]), /colliders\[0\].center is/);
+  scene.setColliders([{ plane: { point: [0, -3, 0], normal: [0, 1, 0] } }]);
   scene.set({ gravity: new Float32Array([0, -1, 0]), contacts: { self_collision: true } });
   assert.deepEqual(scene.get("gravity"), [0, -1, 0]);
   assert.equal(scene.get("contacts.self_collision"), true);

@@ -38,7 +38,7 @@ function cut(mesh, method, level, [x, y, z, d]) {
 /** Lets a body fall on the ground, and cuts it in frames 10 and 11. */
 function fall(mesh, [x, y, z, d]) {
   const scene = new Scene();
-  scene.set({ ground: d });
+  scene.setColliders([{ plane: { point: [0, d, 0], normal: [0, 1, 0] } }]);
   const body = scene.addBody(mesh);
   const edge = (x) => new Float32Array([x, y, -z, x, y, z]);
   const blade = scene.addBlade(edge(-x));

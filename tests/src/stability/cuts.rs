@@ -12,10 +12,10 @@ use incise_models::scenes::cuts::{
     slit_ball, slit_materials, slivers, split_plate,
 };
 use incise_models::scenes::{Directions, FRAME, ScriptedScene};
-use incise_pbd_gpu::Material;
+use incise_pbd_gpu::{Collider, Material};
 use incise_scene::{ContactParams, Scene, SceneError, SceneParams};
 use incise_test_support::materials::shells;
-use incise_test_support::params::GROUND;
+use incise_test_support::params::TEN_ITERATIONS;
 
 pub(super) const CASES: [Case; 7] = [
     Case {
@@ -258,10 +258,11 @@ fn sleepers(runner: &Runner) -> Vec<Run> {
 fn cut_asleep(runner: &Runner, material: &Material) -> Found<Vec<f64>> {
     let params = SceneParams {
         dt: FRAME,
-        solver: GROUND,
+        solver: TEN_ITERATIONS,
         ..SceneParams::default()
     };
     let mut scene = Scene::with_backend(params, &runner.backend)?;
+    scene.colliders.push(Collider::ground(0.0));
     scene.add_body(ball(0, 0.6), material)?;
     scene.add_blade(AWAY);
     let mut group = Group::new(Ok(scene.into()))?;

@@ -9,7 +9,7 @@ use incise_models::{pose, sheet};
 use incise_pbd_gpu::{Material, Solver, SolverParams};
 use incise_test_support::energy::Limits;
 use incise_test_support::materials::elastic_shell;
-use incise_test_support::params::HANGING;
+use incise_test_support::params::TEN_ITERATIONS;
 
 pub(super) const CASES: [Case; 3] = [
     Case {
@@ -70,7 +70,7 @@ fn loads(runner: &Runner) -> Vec<Run> {
         for (k, (name, material)) in loaded().into_iter().enumerate() {
             let limits = Limits::above(-1.0).within(10.0).recovering_if(k < 2);
             let found = ribbon(runner, &material, load, true)
-                .and_then(|mut body| body.energy_over(FRAME, &HANGING, 600, limits));
+                .and_then(|mut body| body.energy_over(FRAME, &TEN_ITERATIONS, 600, limits));
             runs.push(Run::new(format!("{load:e}, {name}"), found));
         }
     }
@@ -83,7 +83,7 @@ fn stretched_by_loads(runner: &Runner) -> Vec<Run> {
         for (name, material) in &loaded()[..2] {
             let found = ribbon(runner, material, load, false).and_then(|mut body| {
                 let limits = Limits::above(-2.0).within(2.0);
-                let found = body.energy_over(FRAME, &HANGING, 600, limits)?;
+                let found = body.energy_over(FRAME, &TEN_ITERATIONS, 600, limits)?;
                 Ok(found.within_energy(body.solver.stretch_error(&body.surface)))
             });
             runs.push(Run::new(format!("{load:e}, {name}"), found));
@@ -96,7 +96,7 @@ fn stretched_by_loads(runner: &Runner) -> Vec<Run> {
 fn map(runner: &Runner) -> Vec<Run> {
     let params = SolverParams {
         iterations: 1,
-        ..HANGING
+        ..TEN_ITERATIONS
     };
     let rows: Vec<(f32, i32)> = [1.0, 1e3, 1e6]
         .into_iter()

@@ -9,7 +9,7 @@ use incise_models::{place, sheet};
 use incise_pbd_gpu::{Material, SolverParams, Stiffness};
 use incise_test_support::energy::Limits;
 use incise_test_support::materials::{elastic_shell, shells};
-use incise_test_support::params::{GROUND, HANGING};
+use incise_test_support::params::TEN_ITERATIONS;
 
 /// The invariant of an energy.
 pub(super) const ENERGY: (&str, f64) = ("largest energy, relative to the start", 1.01);
@@ -79,7 +79,7 @@ fn dropped(
     frames: u32,
     recovers: bool,
 ) -> Found<Outcome> {
-    let mut body = runner.body(ball(1, 0.55), material)?;
+    let mut body = runner.body_on_ground(ball(1, 0.55), material)?;
     let limits = Limits::above(0.0).within(3.0).recovering_if(recovers);
     body.energy_over(dt, params, frames, limits)
 }
@@ -96,7 +96,7 @@ fn time_steps(runner: &Runner) -> Vec<Run> {
         let frames = if rate > 6000.0 { 12_000 } else { 3000 };
         let params = SolverParams {
             iterations,
-            ..GROUND
+            ..TEN_ITERATIONS
         };
         Run::new(
             format!("1/{rate} s, {name}, {iterations} iterations"),
@@ -125,7 +125,7 @@ fn compliances(runner: &Runner) -> Vec<Run> {
                 iterations,
                 substeps,
                 diagonal_scale,
-                ..GROUND
+                ..TEN_ITERATIONS
             };
             let material = elastic_shell(stretch, bending);
             Run::new(
@@ -151,21 +151,23 @@ fn scales(runner: &Runner) -> Vec<Run> {
         ] {
             let mut surface = ball(1, 0.6);
             place(&mut surface, |p| p * scale);
-            let found = runner.body(surface, &material).and_then(|mut body| {
-                // The ball of 1 km (1e-5 m/N) is strained by 5.8 % at rest, with 1 to 256 substeps
-                // alike: all of its weight would stretch an edge by its own length.
-                let masses = body.solver.masses().iter();
-                let weight = 9.81 * masses.map(|&m| f64::from(m)).sum::<f64>();
-                let stretch = match material.stretch {
-                    Stiffness::Compliance(c) => {
-                        weight * f64::from(c) / body.solver.mean_rest_length()
-                    }
-                    Stiffness::Pbd(_) => 0.0,
-                };
-                let limits = Limits::above(0.0).within(5.0 * scale);
-                let limits = limits.recovering_if(stretch < 0.5);
-                body.energy_over(FRAME, &GROUND, 600, limits)
-            });
+            let found = runner
+                .body_on_ground(surface, &material)
+                .and_then(|mut body| {
+                    // The ball of 1 km (1e-5 m/N) is strained by 5.8 % at rest, with 1 to 256 substeps
+                    // alike: all of its weight would stretch an edge by its own length.
+                    let masses = body.solver.masses().iter();
+                    let weight = 9.81 * masses.map(|&m| f64::from(m)).sum::<f64>();
+                    let stretch = match material.stretch {
+                        Stiffness::Compliance(c) => {
+                            weight * f64::from(c) / body.solver.mean_rest_length()
+                        }
+                        Stiffness::Pbd(_) => 0.0,
+                    };
+                    let limits = Limits::above(0.0).within(5.0 * scale);
+                    let limits = limits.recovering_if(stretch < 0.5);
+                    body.energy_over(FRAME, &TEN_ITERATIONS, 600, limits)
+                });
             runs.push(Run::new(format!("1e{exponent} m, {name}"), found));
         }
     }
@@ -187,7 +189,7 @@ fn fall(runner: &Runner, distance: f64, substeps: u32) -> Found<[f64; 1]> {
     let params = SolverParams {
         iterations: 1,
         substeps,
-        ..HANGING
+        ..TEN_ITERATIONS
     };
     body.advance(FRAME, &params, 60)?;
     let n = 60.0 * f64::from(substeps);
@@ -217,9 +219,9 @@ fn contradiction(runner: &Runner) -> Vec<Run> {
                 body.solver.pin(&mut body.surface, v)?;
             }
             body.solver.set_pin_target(corners[1], [10.0, 0.0, 0.0])?;
-            body.advance(FRAME, &HANGING, 600)?;
+            body.advance(FRAME, &TEN_ITERATIONS, 600)?;
             body.solver.unpin(&mut body.surface, corners[1])?;
-            body.advance(FRAME, &HANGING, 600)?;
+            body.advance(FRAME, &TEN_ITERATIONS, 600)?;
             Ok([body.largest_strain()])
         };
         Run::new(name.to_owned(), pull())
@@ -277,7 +279,7 @@ fn at_rest(runner: &Runner, seed: Option<u64>) -> Found<(Vec<[f32; 4]>, Outcome)
     }
     let params = SolverParams {
         iterations: 40,
-        ..HANGING
+        ..TEN_ITERATIONS
     };
     let kept = body.energy_over(FRAME, &params, 600, Limits::above(-2.0))?;
     let places = place.iter().map(|&new| body.surface.positions()[new]);

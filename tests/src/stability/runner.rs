@@ -9,6 +9,7 @@ use incise_pbd_gpu::{AdapterRequest, GpuBackend, GpuBody, GpuError};
 use incise_pbd_gpu::{Material, Solver, SolverParams};
 use incise_scene::{BackendChoice, BackendRequest};
 use incise_test_support::energy::{EnergyBudget, Limits, batches};
+use incise_test_support::params::set_ground;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock};
@@ -128,6 +129,17 @@ impl Runner {
     /// Sets up a body without a scene; it may be deformed.
     pub(super) fn body(&self, mut surface: Surface, material: &Material) -> Found<Body<'_>> {
         let solver = Solver::new(&mut surface, material)?;
+        self.body_with(surface, solver)
+    }
+
+    /// As [`Runner::body`], above a horizontal plane through the origin.
+    pub(super) fn body_on_ground(
+        &self,
+        mut surface: Surface,
+        material: &Material,
+    ) -> Found<Body<'_>> {
+        let mut solver = Solver::new(&mut surface, material)?;
+        set_ground(&mut solver, 0.0);
         self.body_with(surface, solver)
     }
 

@@ -12,7 +12,7 @@ use incise_models::{Model, build_model, place};
 use incise_pbd_gpu::{Material, PieceVolume, SolverParams, Volume};
 use incise_test_support::energy::Limits;
 use incise_test_support::materials::{limp, shells, with_pressure};
-use incise_test_support::params::{GROUND, WEIGHTLESS};
+use incise_test_support::params::{TEN_ITERATIONS, WEIGHTLESS};
 
 /// The invariant of a volume.
 const VOLUME: (&str, f64) = ("relative volume error of a piece in the last second", 0.01);
@@ -22,13 +22,13 @@ pub(super) const CASES: [Case; 6] = [
         id: "volume",
         stress: "a ball, a bunny and an armadillo with volume constraints on the ground for 15 s",
         invariants: &[VOLUME],
-        run: |runner| bodies(runner, &GROUND, at_rest),
+        run: |runner| bodies(runner, &TEN_ITERATIONS, at_rest),
     },
     Case {
         id: "volume",
         stress: "the same, cut twice",
         invariants: &[VOLUME],
-        run: |runner| bodies(runner, &GROUND, cut_twice),
+        run: |runner| bodies(runner, &TEN_ITERATIONS, cut_twice),
     },
     Case {
         id: "volume",
@@ -59,11 +59,11 @@ pub(super) const CASES: [Case; 6] = [
     },
 ];
 
-/// The solver's default substeps, on the ground.
+/// The solver's default substeps.
 const SUBSTEPS: SolverParams = SolverParams {
     iterations: 1,
     substeps: 16,
-    ..GROUND
+    ..TEN_ITERATIONS
 };
 /// Radius of balls \[m\].
 const RADIUS: f64 = 0.5;
@@ -107,7 +107,7 @@ fn bodies(
         let mut surface = build_model(model);
         let lift = -f64::from(surface.bounds().min[1]);
         place(&mut surface, |p| p + Vec3::new(0.0, lift, 0.0));
-        let found = runner.body(surface, &material);
+        let found = runner.body_on_ground(surface, &material);
         Run::new(
             format!("{}, {name}", model.name()),
             found.and_then(|mut body| run(&mut body, params)),
@@ -168,16 +168,18 @@ fn leaps(
 fn pressure(runner: &Runner) -> Vec<Run> {
     runner.each(&kept(), |(name, material)| {
         let (mut most, mut largest) = (0.0, 1.0_f32);
-        let found = runner.body(ball(3, RADIUS), material).and_then(|mut body| {
-            leaps(&mut body, &GROUND, |body, asked, _| {
-                largest = largest.max(asked);
-                let radius = RADIUS * f64::from(largest).cbrt();
-                let middle = body.surface.bounds().center();
-                let all = body.surface.topology().vertices();
-                let distances = all.map(|v| (body.surface.position(v) - middle).norm());
-                most = larger(most, distances.fold(0.0, larger) / radius);
-            })
-        });
+        let found = runner
+            .body_on_ground(ball(3, RADIUS), material)
+            .and_then(|mut body| {
+                leaps(&mut body, &TEN_ITERATIONS, |body, asked, _| {
+                    largest = largest.max(asked);
+                    let radius = RADIUS * f64::from(largest).cbrt();
+                    let middle = body.surface.bounds().center();
+                    let all = body.surface.topology().vertices();
+                    let distances = all.map(|v| (body.surface.position(v) - middle).norm());
+                    most = larger(most, distances.fold(0.0, larger) / radius);
+                })
+            });
         Run::new((*name).to_owned(), found.map(|()| [most]))
     })
 }

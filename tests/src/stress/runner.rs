@@ -5,6 +5,7 @@ use incise_models::place;
 use incise_pbd_gpu::{Material, Solver, SolverParams};
 use incise_test_support::closed_forms::Advance;
 use incise_test_support::energy::{EnergyBudget, Limits};
+use incise_test_support::params::set_ground;
 
 /// A stress test: panics where an invariant does not hold.
 pub type Case = (&'static str, fn(&mut Runner<'_>));
@@ -66,6 +67,19 @@ impl Body {
     pub fn new(mut surface: Surface, material: &Material) -> Self {
         let solver = Solver::new(&mut surface, material).expect("a body that can be simulated");
         Self { surface, solver }
+    }
+
+    /// Sets a body up above the [ground](Self::put_on_ground).
+    #[must_use]
+    pub(super) fn on_ground(surface: Surface, material: &Material) -> Self {
+        let mut body = Self::new(surface, material);
+        body.put_on_ground();
+        body
+    }
+
+    /// Adds a horizontal plane through the origin.
+    pub(super) fn put_on_ground(&mut self) {
+        set_ground(&mut self.solver, 0.0);
     }
 
     /// Pins a vertex where it is.

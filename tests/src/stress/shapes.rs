@@ -7,7 +7,7 @@ use incise_models::{double_cone, place, pose, sheet};
 use incise_pbd_gpu::{Material, Solver, Stiffness};
 use incise_test_support::energy::{Limits, MAX_STRAIN, hinge_angle, wrapped};
 use incise_test_support::materials::{elastic_shell, shells};
-use incise_test_support::params::{GROUND, WEIGHTLESS};
+use incise_test_support::params::{TEN_ITERATIONS, WEIGHTLESS};
 use incise_test_support::random::Random;
 use std::f64::consts::PI;
 
@@ -53,10 +53,16 @@ fn crushed_gain_nothing(runner: &mut Runner<'_>) {
     for shape in CRUSHED {
         for stretch in [1e-3, 1e-5, 1e-7] {
             let material = elastic_shell(stretch, 1e3 * stretch);
-            let mut body = Body::new(crushed(shape, 2), &material);
+            let mut body = Body::on_ground(crushed(shape, 2), &material);
             let context = format!("{shape}, {stretch:e} m/N");
             let limits = Limits::above(0.0);
-            runner.watch(&mut body, (FRAME, &GROUND), frames, limits, &context);
+            runner.watch(
+                &mut body,
+                (FRAME, &TEN_ITERATIONS),
+                frames,
+                limits,
+                &context,
+            );
         }
     }
 }
@@ -78,8 +84,8 @@ fn crushed_recover(runner: &mut Runner<'_>) {
                 bending: bending.map(Stiffness::Pbd),
                 ..Material::default()
             };
-            let mut body = Body::new(crushed(shape, subdivisions), &material);
-            runner.step(&mut body, FRAME, &GROUND, 600);
+            let mut body = Body::on_ground(crushed(shape, subdivisions), &material);
+            runner.step(&mut body, FRAME, &TEN_ITERATIONS, 600);
             assert_recovered(&body, &format!("{shape}, bending {bending:?}"));
         }
     }
@@ -93,12 +99,18 @@ fn pushed_through(runner: &mut Runner<'_>) {
         pose(&mut surface, |p| if p == old { through } else { p });
         let context = format!("vertex {vertex}");
         // The energy of constraints without compliance is not defined.
-        let mut rigid = Body::new(surface.clone(), &Material::default());
-        runner.step(&mut rigid, FRAME, &GROUND, 600);
+        let mut rigid = Body::on_ground(surface.clone(), &Material::default());
+        runner.step(&mut rigid, FRAME, &TEN_ITERATIONS, 600);
         assert_recovered(&rigid, &context);
-        let mut elastic = Body::new(surface, &elastic_shell(1e-6, 1e-3));
+        let mut elastic = Body::on_ground(surface, &elastic_shell(1e-6, 1e-3));
         let limits = Limits::above(0.0);
-        runner.watch(&mut elastic, (FRAME, &GROUND), 600, limits, &context);
+        runner.watch(
+            &mut elastic,
+            (FRAME, &TEN_ITERATIONS),
+            600,
+            limits,
+            &context,
+        );
         assert_recovered(&elastic, &context);
     }
 }
@@ -143,9 +155,15 @@ fn folded(runner: &mut Runner<'_>) {
 fn drop_all(runner: &mut Runner<'_>, surface: &Surface, limits: Limits, name: &str) {
     let frames = runner.pick(60, 300);
     for (kind, material) in shells() {
-        let mut body = Body::new(surface.clone(), &material);
+        let mut body = Body::on_ground(surface.clone(), &material);
         let context = format!("{name}, {kind}");
-        runner.watch(&mut body, (FRAME, &GROUND), frames, limits, &context);
+        runner.watch(
+            &mut body,
+            (FRAME, &TEN_ITERATIONS),
+            frames,
+            limits,
+            &context,
+        );
     }
 }
 

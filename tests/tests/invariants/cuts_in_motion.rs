@@ -9,7 +9,7 @@ use incise_cut::CutParams;
 use incise_mesh::{Vec3, VertexId, cube_sphere, icosphere, torus};
 use incise_pbd_gpu::{Density, Material, SolverParams, Stiffness};
 use incise_refine::{RefineParams, RefinementLevel};
-use incise_test_support::params::GROUND;
+use incise_test_support::params::{TEN_ITERATIONS, set_ground};
 use incise_test_support::random::Random;
 
 const FRAME: f32 = 1.0 / 60.0;
@@ -18,10 +18,11 @@ const FRAME: f32 = 1.0 / 60.0;
 fn cuts_in_every_substep_down_to_pieces_of_a_few_triangles() {
     let elastic = shell(Stiffness::Compliance(1e-5), Stiffness::Compliance(1e-2));
     let mut body = Body::turning(1, 0.8, &elastic);
+    set_ground(&mut body.solver, 0.0);
     let mut random = Random::new(12);
     let params = SolverParams {
         iterations: 1,
-        ..GROUND
+        ..TEN_ITERATIONS
     };
     for number in 0..200 {
         body.step(FRAME / 20.0, &params);
@@ -44,8 +45,7 @@ fn one_plane_cuts_a_moving_body_repeatedly() {
     let mut body = Body::turning(1, 0.8, &paper_shell());
     let weightless = SolverParams {
         gravity: [0.0; 3],
-        ground: None,
-        ..GROUND
+        ..TEN_ITERATIONS
     };
     for number in 0..50 {
         let middle = body.surface.bounds().center();
@@ -71,13 +71,14 @@ fn pieces_of_a_stretched_body_regain_their_lengths() {
         place(&mut surface, |p| p + Vec3::new(0.0, 0.8, 0.0));
         surface.positions_mut().iter_mut().for_each(|p| p[0] *= 4.0);
         let mut body = Body::new(surface, &material);
+        set_ground(&mut body.solver, 0.0);
         for number in 0..5 {
             let all = pieces(&body.surface);
             let piece = all[random.below(all.len())];
             let sweep = through(&mut random, &body.surface, piece);
             body.cut(&sweep, &CutParams::default(), &format!("cut {number}"));
         }
-        (0..600).for_each(|_| body.step(FRAME, &GROUND));
+        (0..600).for_each(|_| body.step(FRAME, &TEN_ITERATIONS));
         let strain = body.solver.stretch_error(&body.surface);
         assert!(strain <= 0.05, "mean strain {strain} of {stretch} m/N");
     }
@@ -86,6 +87,7 @@ fn pieces_of_a_stretched_body_regain_their_lengths() {
 #[test]
 fn cuts_through_pins_leave_the_others_in_place() {
     let mut body = Body::turning(2, 0.8, &paper_shell());
+    set_ground(&mut body.solver, 0.0);
     let vertices = body.surface.topology().vertices();
     let top = vertices.filter(|&v| body.surface.position(v).y > 1.0);
     let top: Vec<VertexId> = top.collect();
@@ -98,7 +100,7 @@ fn cuts_through_pins_leave_the_others_in_place() {
         let [x, y, z, _] = places[top[random.below(top.len())].index()].map(f64::from);
         let sweep = plane(&body.surface, direction(&mut random), &Vec3::new(x, y, z));
         body.cut(&sweep, &CutParams::default(), &format!("cut {number}"));
-        body.step(FRAME, &GROUND);
+        body.step(FRAME, &TEN_ITERATIONS);
         for pin in body.solver.pins() {
             let i = pin.vertex.index();
             let (now, then) = (body.surface.positions()[i], places[i]);
@@ -111,10 +113,11 @@ fn cuts_through_pins_leave_the_others_in_place() {
 fn balls_cut_into_islands_keep_their_sums_and_slots() {
     let params = SolverParams {
         iterations: 1,
-        ..GROUND
+        ..TEN_ITERATIONS
     };
     for seed in 1..=100 {
         let mut body = Body::turning(0, 0.8, &paper_shell());
+        set_ground(&mut body.solver, 0.0);
         let mut random = Random::new(seed);
         let most = 1.01 * body.energy();
         for number in 0..5 {
@@ -152,10 +155,11 @@ fn balls_cut_into_islands_keep_their_sums_and_slots() {
 #[test]
 fn a_body_that_is_cut_and_restored_needs_no_more_memory() {
     let mut body = Body::turning(2, 0.8, &paper_shell());
+    set_ground(&mut body.solver, 0.0);
     let mut random = Random::new(21);
     let mut first = None;
     for number in 0..200 {
-        body.step(FRAME, &GROUND);
+        body.step(FRAME, &TEN_ITERATIONS);
         let sweep = through(&mut random, &body.surface, 0);
         let before = (body.surface.topology().triangle_count(), body.sums().mass);
         let context = format!("cut {number}");
@@ -221,11 +225,14 @@ fn random_body(seed: u64) {
     let params = SolverParams {
         iterations: [1, 10][random.below(2)],
         substeps: [1, 5][random.below(2)],
-        ground: [None, Some(0.0)][random.below(2)],
-        ..GROUND
+        ..TEN_ITERATIONS
     };
+    let is_on_ground = random.below(2) == 1;
     let dt = random.log(1e-3, 1.0 / 30.0);
     let mut body = Body::new(surface, &material);
+    if is_on_ground {
+        set_ground(&mut body.solver, 0.0);
+    }
     body.turn();
     for number in 0..3 {
         let v = VertexId::from_index(random.below(body.surface.topology().vertex_slots()));

@@ -15,7 +15,7 @@
 //! writes the pieces and hashes of all lines instead of comparing them.
 
 use incise::cut::{CutError, Incision};
-use incise::pbd::Material;
+use incise::pbd::{Collider, Material};
 use incise::prelude::*;
 use incise::refine::RefineParams;
 use incise_models::{Model, build_model};
@@ -57,9 +57,9 @@ fn scene(body: Surface, numbers: [f64; 4]) -> String {
         contacts: Some(Default::default()),
         ..SceneParams::default()
     };
-    params.solver.ground = Some(d);
     params.solver.threads = NonZeroUsize::new(1);
     let mut scene = Scene::new(params);
+    scene.colliders.push(Collider::ground(d));
     let material = Material::soft_body();
     let body = scene.add_body(body, &material).expect("a built-in model");
     let edge = |x| [[x, y, -z], [x, y, z]];

@@ -2,7 +2,7 @@
 
 use incise_mesh::{Surface, VertexId, icosphere};
 use incise_models::{Model, build_model};
-use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Volume};
+use incise_pbd_gpu::{Collider, InteriorSprings, Material, SolverParams, Volume};
 use incise_scene::{Scene, SceneParams};
 
 /// Number of constraints of a color from which the solver uses several threads.
@@ -27,11 +27,11 @@ fn run(threads: usize, body: &Surface, material: &Material) -> Bits {
     pool.install(|| {
         let mut scene = Scene::new(SceneParams {
             solver: SolverParams {
-                ground: Some(-0.52),
                 ..SolverParams::paper()
             },
             ..SceneParams::default()
         });
+        scene.colliders.push(Collider::ground(-0.52));
         let id = scene
             .add_body(body.clone(), material)
             .expect("the body can be simulated");

@@ -2,12 +2,12 @@
 
 use super::scene_file::SceneFile;
 use crate::failure::Failure;
-use crate::input::{InputOptions, file_bounds, in_file};
+use crate::input::InputOptions;
 use crate::json::lossy;
 use crate::numbers::Numbers;
 use incise_mesh::geometry::{to_f32, to_f64};
-use incise_mesh::{Aabb, Surface, Vec3, VertexId, Warning};
-use incise_pbd_gpu::Material;
+use incise_mesh::{Surface, Vec3, VertexId, Warning};
+use incise_pbd_gpu::{Collider, Material};
 use incise_scene::{BodyId, Scene, SceneError};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -15,6 +15,9 @@ use std::path::{Path, PathBuf};
 /// Maximum distance of neighboring coordinates in single precision, relative to the diagonal of a
 /// body's bounding box.
 const MAX_SPACING: f64 = 0.01;
+
+/// Maximum depth of a body in a plane at the start, relative to the diagonal of its bounding box.
+const MAX_DEPTH: f64 = 1e-6;
 
 /// An input of a simulation.
 #[derive(Serialize)]
@@ -78,20 +81,28 @@ fn check_resolution(surface: &Surface, path: &Path, offset: Vec3) -> Result<(), 
     })
 }
 
-/// Refuses a body that starts below the ground at a height relative to its origin.
-pub(super) fn check_ground(
+/// Refuses a body that starts in a plane; both are relative to one origin.
+pub(super) fn check_planes(
     surface: &Surface,
     path: &Path,
-    ground: Option<f32>,
+    colliders: &[Collider],
 ) -> Result<(), Failure> {
-    match ground {
-        Some(ground) if ground > surface.bounds().min[1] => Err(Failure::BelowGround {
-            path: path.to_owned(),
-            lowest: file_bounds(surface).min[1],
-            ground: in_file(surface.origin(), &Aabb::around([[0.0, ground, 0.0]])).min[1],
-        }),
-        _ => Ok(()),
+    for collider in colliders {
+        let &Collider::Plane { point, normal } = collider else {
+            continue;
+        };
+        let (point, normal) = (to_f64(point), to_f64(normal).normalize());
+        let vertices = surface.topology().vertices();
+        let heights = vertices.map(|v| normal.dot(&(surface.position(v) - point)));
+        let depth = -heights.fold(f64::INFINITY, f64::min);
+        if depth > MAX_DEPTH * surface.bounds().diagonal() {
+            return Err(Failure::InPlane {
+                path: path.to_owned(),
+                depth,
+            });
+        }
     }
+    Ok(())
 }
 
 /// The bodies of a scene, in the order of their inputs.

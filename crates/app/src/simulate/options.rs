@@ -1,6 +1,6 @@
 //! [`SceneOptions`]: the options that describe a scene, in place of a scene file.
 
-use super::scene_file::{BladeFile, BodyFile, Height, MaterialFile, PlaneCut, SceneFile};
+use super::scene_file::{BladeFile, BodyFile, ColliderFile, MaterialFile, PlaneCut, SceneFile};
 use crate::failure::Failure;
 use crate::input::InputOptions;
 use crate::numbers::{Numbers, not_negative, numbers, positive, share};
@@ -33,7 +33,7 @@ pub(super) struct SceneOptions {
     /// Time step of a frame, as a number or a fraction [s]. [default: 1/60]
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     dt: Option<f64>,
-    /// Height of the ground plane [m]; the meshes must begin above it.
+    /// Add a horizontal plane at a height [m]; the meshes must begin above it.
     #[arg(long, value_name = "H", value_parser = numbers::<1>, allow_hyphen_values = true)]
     ground: Option<Numbers<1>>,
     /// Preserve the rest volume of every closed piece.
@@ -84,7 +84,7 @@ impl OptionSet for SceneOptionSet {
 
     fn option(path: &str, option: Arg) -> Option<Arg> {
         match path {
-            "dt" | "solver.ground" => None,
+            "dt" => None,
             "contacts" => Some(option.conflicts_with("no_contacts")),
             path if path.starts_with("cut.") => Some(option.requires("cutter")),
             _ => Some(option),
@@ -124,7 +124,9 @@ impl SceneOptions {
         }
         let mut file = SceneFile::new(seconds);
         file.dt = self.dt.unwrap_or(file.dt);
-        file.ground = self.ground.map(|Numbers([height])| Height(height));
+        let ground = self.ground.iter();
+        let ground = ground.map(|&Numbers([height])| unplaced(ColliderFile::ground(height)));
+        file.colliders = ground.collect();
         file.repair = self.reading.repair();
         file.params = self.params.given().iter().cloned().collect();
         if self.no_contacts {

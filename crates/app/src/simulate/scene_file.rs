@@ -22,7 +22,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use toml::Spanned;
 
-/// A simulation: bodies, materials, ground, colliders, cuts, blades and output.
+/// A simulation: bodies, materials, colliders, cuts, blades and output.
 ///
 /// All other keys are parameters of the scene. Coordinates are those of the first body's file
 /// \[m\]; the y axis points up.
@@ -34,9 +34,6 @@ pub(super) struct SceneFile {
     /// Time step of a frame \[s\].
     #[serde(default = "defaults::dt", deserialize_with = "positive_number")]
     pub(super) dt: f64,
-    /// Height of the ground plane \[m\].
-    #[serde(default)]
-    pub(super) ground: Option<Height>,
     /// Whether meshes with edges of more than two triangles are separated there.
     #[serde(default = "defaults::yes")]
     pub(super) repair: bool,
@@ -71,11 +68,6 @@ pub(super) struct SceneFile {
     #[serde(skip)]
     source: Option<Source>,
 }
-
-/// A height \[m\].
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(transparent)]
-pub(super) struct Height(#[serde(deserialize_with = "finite_number")] pub(super) f64);
 
 /// The file of a scene.
 #[derive(Debug, Clone)]
@@ -160,10 +152,10 @@ impl SceneFile {
         (time / self.dt).round() as u32
     }
 
-    /// Returns the parameters of the scene relative to an origin.
+    /// Returns the parameters of the scene.
     ///
     /// Pieces touch each other, and both walls of a cut that ends inside, by default.
-    pub(super) fn scene_params(&self, origin: [f64; 3]) -> Result<SceneParams, Failure> {
+    pub(super) fn scene_params(&self) -> Result<SceneParams, Failure> {
         let mut params = SceneParams {
             dt: round_to_f32(self.dt),
             contacts: Some(ContactParams {
@@ -177,17 +169,7 @@ impl SceneFile {
         let set = params.set_value(&Value::Map(entries.collect()));
         let set = set.and_then(|()| Ok(params.check_ranges()?));
         set.map_err(|source| self.refuse_parameter(source))?;
-        params.solver.ground = self.ground(params.solver.ground, origin);
         Ok(params)
-    }
-
-    /// Returns the height of the ground relative to an origin \[m\].
-    ///
-    /// `solver` is the height as a parameter of the solver.
-    fn ground(&self, solver: Option<f32>, origin: [f64; 3]) -> Option<f32> {
-        let height = self.ground.map(|Height(height)| height);
-        let height = height.or(solver.map(f64::from));
-        height.map(|height| round_to_f32(height - origin[1]))
     }
 
     /// Returns the material of a body.

@@ -74,11 +74,12 @@ fn the_examples_run() {
 #[test]
 fn a_file_and_options_give_the_same_bytes() {
     let (folder, file) = scene(
-        "seconds = 0.3\ndt = 0.01\nsubsteps = 4\nground = -0.6\n\
+        "seconds = 0.3\ndt = 0.01\nsubsteps = 4\n\
          [materials.own]\npreset = \"limp-shell\"\nvolume = {}\n\
          interior_springs = { density = 0.5 }\n\
          [[bodies]]\nmesh = \"Sphere80\"\nmaterial = \"own\"\n\
          [[bodies]]\nmesh = \"Sphere20\"\nmaterial = \"own\"\noffset = [0, 1.05, 0]\n\
+         [[colliders]]\nplane = { point = [0, -0.6, 0], normal = [0, 1, 0] }\n\
          [[cuts]]\nplane = [1, 0, 0.1, 0]\nat = 0.1\n\
          [[cuts]]\nplane = [0, 0.1, 1, 0]\nat = 0.2\n\
          [output]\npieces = \"of_file\"\nformat = \"ply\"\n",
@@ -175,8 +176,8 @@ fn errors_name_the_line_and_write_nothing() {
             "line 2: gravity is '0,1'; it must be 3 numbers",
         ),
         (
-            format!("seconds = 1\nground = nan\n{body}"),
-            "line 2: NaN is not finite",
+            format!("seconds = 1\nground = -1\n{body}"),
+            "line 2: there is no parameter 'ground'",
         ),
         ("seconds = 1\n".to_owned(), "no body"),
         (

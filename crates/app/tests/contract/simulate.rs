@@ -202,9 +202,9 @@ fn halves_keep_their_volume_and_rest_on_each_other() {
     );
 }
 
-/// The ground would eject the part of the body below it.
+/// The plane would eject the part of the body below it.
 #[test]
-fn a_body_that_starts_below_the_ground_is_refused() {
+fn a_body_that_starts_in_a_plane_is_refused() {
     let (folder, input) = with_sphere();
     let out = folder.path().join("out");
     let run = |ground: &str| {
@@ -223,7 +223,7 @@ fn a_body_that_starts_below_the_ground_is_refused() {
     let refused = run("0");
     assert_eq!(refused.status.code(), Some(2), "{refused:?}");
     let said = String::from_utf8(refused.stderr).unwrap();
-    assert!(said.contains("give --ground -0.5 or less"), "{said}");
+    assert!(said.contains("it starts 0.5 m deep"), "{said}");
     assert!(!out.exists(), "nothing is written");
     assert_eq!(run("-0.5").status.code(), Some(0), "it stands on it");
 }

@@ -2,7 +2,7 @@
 
 use incise_cut::{CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, VertexId};
-use incise_pbd_gpu::{Integrator, Material, Solver, SolverParams, Stiffness};
+use incise_pbd_gpu::{Collider, Integrator, Material, Solver, SolverParams, Stiffness};
 use incise_reference::{Model, State};
 use std::error::Error;
 
@@ -83,6 +83,7 @@ pub(super) struct Scene {
     /// A cut before the first frame.
     pub(super) sweep: Option<Sweep>,
     pub(super) gravity: [f32; 3],
+    /// Height of a horizontal plane \[m\].
     pub(super) ground: Option<f32>,
     pub(super) frames: u32,
     /// Steps a frame of the reference for total errors, each twice the one before.
@@ -145,7 +146,6 @@ impl Scene {
             iterations,
             substeps,
             gravity: self.gravity,
-            ground: self.ground,
             ..SolverParams::paper()
         }
     }
@@ -179,6 +179,8 @@ impl Scene {
         for &v in &self.pins {
             solver.pin(&mut surface, v)?;
         }
+        let ground = self.ground.map(|height| Collider::ground(height).into());
+        solver.set_colliders(ground.as_slice())?;
         for (v, &velocity) in surface.topology().vertices().zip(&self.velocities) {
             solver.set_velocity(v, velocity)?;
         }

@@ -21,10 +21,6 @@ pub struct SceneParams {
     pub dt: f32,
     /// Gravitational acceleration in meters per second squared; 0, -9.81, 0 by default.
     pub gravity: [f32; 3],
-    /// 1 for a ground plane at the height `ground`, 0 for none.
-    pub has_ground: u32,
-    /// Height of the ground plane in meters (y axis).
-    pub ground: f32,
     /// Substeps per frame.
     pub substeps: u32,
     /// Projections of every constraint per substep.
@@ -58,8 +54,6 @@ impl From<&scene::SceneParams> for SceneParams {
         Self {
             dt: params.dt,
             gravity: solver.gravity,
-            has_ground: u32::from(solver.ground.is_some()),
-            ground: solver.ground.unwrap_or_default(),
             substeps: solver.substeps,
             iterations: solver.iterations,
             threads: crate::memory::count(threads),
@@ -86,7 +80,6 @@ impl SceneParams {
             dt: self.dt,
             solver: pbd::SolverParams {
                 gravity: self.gravity,
-                ground: flag(self.has_ground, "has_ground")?.then_some(self.ground),
                 substeps: self.substeps,
                 iterations: self.iterations,
                 threads: NonZeroUsize::new(self.threads as usize),

@@ -103,11 +103,15 @@ static incise_status cut(incise_mesh *mesh, const char *method, const char *leve
 static void print_scene(incise_mesh *mesh, const double *numbers) {
     incise_scene_params params;
     CHECK(incise_scene_params_init(&params));
-    params.has_ground = params.contacts = params.threads = 1;
-    params.ground = (float)numbers[3];
+    params.contacts = params.threads = 1;
     incise_scene *scene;
     uint32_t body, blade;
     CHECK(incise_scene_new(&params, &scene));
+    const incise_collider ground = {
+        .kind = INCISE_COLLIDER_PLANE,
+        .position = {0, (float)numbers[3], 0},
+        .direction = {0, 1, 0}};
+    CHECK(incise_scene_set_colliders(scene, &ground, 1));
     CHECK(incise_scene_add_body(scene, mesh, NULL, &body));
     float x = (float)numbers[0], y = (float)numbers[1], z = (float)numbers[2];
     float edge[6] = {-x, y, -z, -x, y, z};

@@ -13,8 +13,6 @@ namespace Incise
         public const string SolverSubsteps = "solver.substeps";
         /// <summary>Gravitational acceleration.</summary>
         public const string SolverGravity = "solver.gravity";
-        /// <summary>Height of the ground plane.</summary>
-        public const string SolverGround = "solver.ground";
         /// <summary>Displacement per iteration and axis below which a substep ends its iterations early.</summary>
         public const string SolverResidual = "solver.residual";
         /// <summary>Over-relaxation of the XPBD diagonal of compliant constraints, 1/2 to 1; 1 is XPBD.</summary>
@@ -88,7 +86,7 @@ namespace Incise
         public const string InteriorSpringsStiffness = "interior_springs.stiffness";
         /// <summary>Rate at which velocities decay; bodies rebound less with it.</summary>
         public const string Damping = "damping";
-        /// <summary>Coulomb friction coefficient against ground, colliders and contacts.</summary>
+        /// <summary>Coulomb friction coefficient against colliders and contacts.</summary>
         public const string Friction = "friction";
     }
 

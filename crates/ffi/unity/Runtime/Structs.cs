@@ -110,9 +110,6 @@ namespace Incise
     {
         public float Dt;
         public float GravityX, GravityY, GravityZ;
-        /// <summary>1 for a ground at the height <see cref="Ground"/>.</summary>
-        public uint HasGround;
-        public float Ground;
         public uint Substeps, Iterations, Threads;
         /// <summary>1 for contacts between bodies, pieces and blades.</summary>
         public uint Contacts;
@@ -201,6 +198,13 @@ namespace Incise
         public float EndX, EndY, EndZ;
         public float HalfX, HalfY, HalfZ;
         public float Axis0X, Axis0Y, Axis0Z, Axis1X, Axis1Y, Axis1Z;
+
+        /// <summary>Returns the half-space below a height.</summary>
+        public static Collider Ground(float height)
+        {
+            return new Collider {
+                Kind = ColliderKind.Plane, PositionY = height, DirectionY = 1 };
+        }
     }
 
     /// <summary>Counters and times of a frame.</summary>

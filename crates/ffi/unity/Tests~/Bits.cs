@@ -59,10 +59,10 @@ static class Bits
     {
         float x = (float)numbers[0], y = (float)numbers[1], z = (float)numbers[2];
         SceneParams parameters = SceneParams.Default;
-        parameters.HasGround = parameters.Contacts = parameters.Threads = 1;
-        parameters.Ground = (float)numbers[3];
+        parameters.Contacts = parameters.Threads = 1;
         using (var scene = new Scene(parameters))
         {
+            scene.SetColliders(new[] { Collider.Ground((float)numbers[3]) });
             uint body = scene.AddBody(surface);
             var edge = new[] { -x, y, -z, -x, y, z };
             uint blade = scene.AddBlade(edge);

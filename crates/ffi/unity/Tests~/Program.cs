@@ -129,12 +129,11 @@ static class Program
     {
         SceneParams parameters = SceneParams.Default;
         Expect(parameters.GravityY == -9.81f && parameters.Cut.Level == 1, "layout of params");
-        parameters.HasGround = 1;
-        parameters.Ground = -0.6f;
         parameters.Contacts = 1;
         using (var scene = new Scene(parameters))
         using (Surface bunny = Surface.Model("Bunny"))
         {
+            scene.SetColliders(new[] { Collider.Ground(-0.6f) });
             uint body = scene.AddBody(bunny);
             var edge = new float[] { -1, 0.05f, -1, -1, 0.05f, 1 };
             uint blade = scene.AddBlade(edge);

@@ -44,7 +44,7 @@ pub fn bars(
         ..Material::soft_body()
     };
     let surfaces = (&[lower, upper][..], grouping);
-    let (mut scene, parts) = grouped(backend, touching(None), surfaces, &material)?;
+    let (mut scene, parts) = grouped(backend, touching(), surfaces, &material)?;
     pin(&mut scene, parts[0], |_| true)?;
     Ok(scene.into())
 }
@@ -59,7 +59,7 @@ pub fn drape(backend: &BackendRequest, side: f64) -> Result<ScriptedScene, Scene
     let mut cloth = sheet([1.6; 2], [40; 2]);
     place(&mut cloth, |p| Vec3::new(p.x, DRAPED + 0.1, -side * p.y));
     let surfaces = (&[ball, cloth][..], Grouping::Bodies);
-    let params = touching(None);
+    let params = touching();
     let (mut scene, parts) = grouped(backend, params, surfaces, &Material::default())?;
     pin(&mut scene, parts[0], |_| true)?;
     Ok(scene.into())
@@ -78,7 +78,7 @@ pub fn block_on_plate(
     let mut block = cuboid([0.2; 3], [3; 3]);
     place(&mut block, |p| p + Vec3::new(0.013, 0.15, 0.007));
     let surfaces = (&[plate, block][..], grouping);
-    let params = touching(None);
+    let params = touching();
     let (mut scene, parts) = grouped(backend, params, surfaces, &Material::soft_body())?;
     pin(&mut scene, parts[0], |p| {
         p.x.abs() > 0.49 || p.z.abs() > 0.49

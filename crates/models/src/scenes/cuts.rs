@@ -1,7 +1,7 @@
 //! Bodies that blades cut: slices, slivers, a plate split in its plane, and a slit that gapes.
 
 use super::contacts::block;
-use super::{Directions, Grouping, ScriptedScene, cuboid, grouped, touching, weightless};
+use super::{Directions, GROUND, Grouping, ScriptedScene, cuboid, grouped, touching, weightless};
 use crate::{Model, build_model, place};
 use incise_cut::{CutError, CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, Vec3, VertexId, cube_sphere, icosphere};
@@ -90,7 +90,7 @@ pub fn shatter(
 ) -> Result<ScriptedScene, SceneError> {
     let params = SceneParams {
         contacts,
-        ..touching(None)
+        ..touching()
     };
     let material = Material {
         damping: 0.0,
@@ -112,7 +112,8 @@ pub fn split_plate(
     place(&mut plate, |p| p + Vec3::new(0.0, 0.005, 0.0));
     let sweep = Sweep::from_plane([0.0, 1.0, 0.0], 0.0052, &plate.bounds());
     let surfaces = (&[plate][..], Grouping::Bodies);
-    let (mut scene, _) = grouped(backend, touching(Some(0.0)), surfaces, material)?;
+    let (mut scene, _) = grouped(backend, touching(), surfaces, material)?;
+    scene.colliders.push(GROUND);
     sweep_once(&mut scene, &sweep.map_err(SceneError::Cut)?)?;
     Ok(scene.into())
 }
@@ -143,7 +144,8 @@ pub fn sliced_materials() -> [(&'static str, Material); 3] {
 pub fn slices(backend: &BackendRequest, material: &Material) -> Result<ScriptedScene, SceneError> {
     let mut surface = block(10, [1.0, 3.0, 1.0]);
     place(&mut surface, |p| p + Vec3::new(0.0, 1.5, 0.0));
-    let mut scene = Scene::with_backend(touching(Some(0.0)), backend)?;
+    let mut scene = Scene::with_backend(touching(), backend)?;
+    scene.colliders.push(GROUND);
     scene.add_body(surface, material)?;
     let edge = |x: f32, y: f32| [[x, y, -9.0], [x, y, 9.0]];
     let blade = scene.add_blade(edge(-9.0, 9.0));
@@ -234,8 +236,10 @@ pub fn dropped(
     place(&mut surface, |p| (p + Vec3::new(0.0, 0.5, 0.0)) * size);
     let params = SceneParams {
         contacts,
-        ..touching(Some(0.0))
+        ..touching()
     };
     let surfaces = (&[surface][..], Grouping::Bodies);
-    Ok(grouped(backend, params, surfaces, material)?.0.into())
+    let mut scene = grouped(backend, params, surfaces, material)?.0;
+    scene.colliders.push(GROUND);
+    Ok(scene.into())
 }

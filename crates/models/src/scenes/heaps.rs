@@ -1,6 +1,6 @@
 //! Heaps of bodies that come to rest: small ones in a bowl, and models on each other.
 
-use super::{Directions, Grouping, ScriptedScene, grouped, touching};
+use super::{Directions, GROUND, Grouping, ScriptedScene, grouped, touching};
 use crate::place;
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3, icosphere};
@@ -59,7 +59,7 @@ fn poured(count: u32) -> Vec<Surface> {
 /// As [`incise_scene::Scene::with_backend`].
 pub fn bowl(backend: &BackendRequest, count: u32) -> Result<ScriptedScene, SceneError> {
     let parts = (&poured(count)[..], Grouping::Bodies);
-    let params = touching(Some(0.0));
+    let params = touching();
     let (mut scene, _) = grouped(backend, params, parts, &Material::soft_body())?;
     let plane = |number| {
         let (foot, normal) = wall(number);
@@ -68,7 +68,7 @@ pub fn bowl(backend: &BackendRequest, count: u32) -> Result<ScriptedScene, Scene
             normal: to_f32(normal),
         }
     };
-    scene.colliders = (0..WALLS).map(plane).collect();
+    scene.colliders = (0..WALLS).map(plane).chain([GROUND]).collect();
     Ok(scene.into())
 }
 
@@ -90,9 +90,9 @@ pub fn heap(
         surface
     };
     let surfaces: Vec<Surface> = (0..MODELS).zip(models.iter().cycle()).map(above).collect();
-    let params = touching(Some(0.0));
+    let params = touching();
     let parts = (&surfaces[..], grouping);
-    Ok(grouped(backend, params, parts, &Material::soft_body())?
-        .0
-        .into())
+    let (mut scene, _) = grouped(backend, params, parts, &Material::soft_body())?;
+    scene.colliders.push(GROUND);
+    Ok(scene.into())
 }

@@ -80,6 +80,33 @@ impl MovingCollider {
         self.start.bounds().union(end.bounds())
     }
 
+    /// Returns whether the collider comes within a distance `margin` \[m\] of a box in `dt` \[s\].
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "the margin is much larger than the rounding of corners"
+    )]
+    pub(crate) fn reaches(&self, bounds: &Aabb, margin: f64, dt: f32) -> bool {
+        let Collider::Plane { point, normal } = self.start else {
+            let grown = Aabb {
+                min: bounds.min.map(|c| (f64::from(c) - margin) as f32),
+                max: bounds.max.map(|c| (f64::from(c) + margin) as f32),
+            };
+            return self.bounds(dt).overlaps(&grown);
+        };
+        let sum = |of: &dyn Fn(usize) -> f64| [0, 1, 2].into_iter().map(of).sum::<f64>();
+        let along = |k: usize| f64::from(normal[k]);
+        let lowest = sum(&|k| {
+            let corner = if normal[k] > 0.0 {
+                bounds.min
+            } else {
+                bounds.max
+            };
+            along(k) * (f64::from(corner[k]) - f64::from(point[k]))
+        });
+        let rise = sum(&|k| along(k) * f64::from(self.velocity[k])) * f64::from(dt);
+        lowest <= rise.max(0.0) + margin * sum(&|k| along(k) * along(k)).sqrt()
+    }
+
     /// Returns the record of a valid collider.
     pub(crate) fn record(&self) -> Option<ColliderRecord> {
         let record = self.start.record()?;
@@ -126,10 +153,14 @@ impl ColliderRecord {
     /// Returns a position \[m\] relative to the origin at a time of the frame \[s\].
     #[inline(always)]
     pub(crate) fn relative(&self, x: [f32; 4], time: f32) -> [f32; 3] {
-        [0, 1, 2].map(|k: usize| {
-            let origin = self.origin[k] + self.velocity[k] * time;
-            x[k] - origin
-        })
+        let origin = self.origin_at(time);
+        [0, 1, 2].map(|k: usize| x[k] - origin[k])
+    }
+
+    /// Returns the origin at a time of the frame \[s\].
+    #[inline(always)]
+    pub(crate) fn origin_at(&self, time: f32) -> [f32; 3] {
+        [0, 1, 2].map(|k: usize| self.origin[k] + self.velocity[k] * time)
     }
 }
 
@@ -138,6 +169,15 @@ pub(crate) const ROUND: u32 = 1;
 pub(crate) const BOX: u32 = 2;
 
 impl Collider {
+    /// Returns the half-space below a height \[m\], whose normal is the y axis.
+    #[must_use]
+    pub const fn ground(height: f32) -> Self {
+        Self::Plane {
+            point: [0.0, height, 0.0],
+            normal: [0.0, 1.0, 0.0],
+        }
+    }
+
     /// Returns the bounding box; that of a plane is unbounded.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
@@ -256,6 +296,7 @@ impl Collider {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Colliders {
     list: Vec<MovingCollider>,
+    /// Planes come last, so that no other collider pushes a vertex into one.
     #[cfg_attr(feature = "serde", serde(skip))]
     records: Vec<ColliderRecord>,
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -278,9 +319,15 @@ impl Colliders {
         self.set(&list)
     }
 
-    /// Returns the records that kernels read.
+    /// Returns the records that kernels read; planes come last.
     pub(crate) fn records(&self) -> &[ColliderRecord] {
         &self.records
+    }
+
+    /// Returns the records of planes.
+    pub(crate) fn planes(&self) -> &[ColliderRecord] {
+        let first = self.records.partition_point(|record| record.kind != PLANE);
+        &self.records[first..]
     }
 
     /// Returns a number that changes whenever colliders are set.
@@ -305,6 +352,7 @@ impl Colliders {
         self.records.clear();
         self.records
             .extend(colliders.iter().filter_map(MovingCollider::record));
+        self.records.sort_by_key(|record| record.kind == PLANE);
         self.generation += 1;
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! [`Obstacles`]: the ground and colliders, and whether a body may touch them within a frame.
+//! [`Obstacles`]: colliders, and whether a body may touch them within a frame.
 
 use crate::constraints::colliders::ColliderRecord;
 use crate::kernels::colliders::separation;
@@ -12,7 +12,6 @@ const MARGIN: f32 = 2.0;
 /// The obstacles of a body in a frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Obstacles<'a> {
-    pub(crate) ground: Option<f32>,
     pub(crate) colliders: &'a [ColliderRecord],
     pub(crate) gravity: [f32; 3],
 }
@@ -36,14 +35,13 @@ impl Obstacles<'_> {
                 f64::from(distance) < f64::from(motion) + edge
             };
             inverse_mass > 0.0
-                && (self.ground.is_some_and(|g| is_near(y - g, [vx, vy, vz]))
-                    || self.colliders.iter().any(|collider| {
-                        let along = collider.velocity;
-                        let from = collider.origin;
-                        let q = [x - from[0], y - from[1], z - from[2]];
-                        let (distance, _) = separation(q, [0.0; 3], collider);
-                        is_near(distance, [vx - along[0], vy - along[1], vz - along[2]])
-                    }))
+                && self.colliders.iter().any(|collider| {
+                    let along = collider.velocity;
+                    let from = collider.origin;
+                    let q = [x - from[0], y - from[1], z - from[2]];
+                    let (distance, _) = separation(q, [0.0; 3], collider);
+                    is_near(distance, [vx - along[0], vy - along[1], vz - along[2]])
+                })
         })
     }
 }

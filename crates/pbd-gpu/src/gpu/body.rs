@@ -81,6 +81,8 @@ pub(super) struct DeviceBody {
     /// Allocated entries, slack included.
     pub(super) colliders: Range<u32>,
     pub(super) collider_count: u32,
+    /// Number of colliders that are planes.
+    pub(super) plane_count: u32,
     /// Generation of the uploaded colliders, 0 for none.
     pub(super) collider_generation: u64,
     /// Last uploaded record.
@@ -109,6 +111,7 @@ impl DeviceBody {
             contacts: DeviceContacts::default(),
             colliders: 0..0,
             collider_count: 0,
+            plane_count: 0,
             collider_generation: 0,
             record: BodyRecord::zeroed(),
             schedule: Schedule::WholeBody,
@@ -160,9 +163,10 @@ impl DeviceBody {
             0
         };
         // With volumes contacts and colliders are handled before and after them, and gradients test
-        // the colliders.
+        // the colliders. Contacts test planes.
         let sweeps = 1 + u64::from(places.pieces > 0);
-        let contacts = sweeps * (u64::from(self.contacts.count) + 64);
+        let planes = u64::from(1 + self.plane_count);
+        let contacts = sweeps * (u64::from(self.contacts.count) * planes + 64);
         let colliders = (2 * sweeps - 1) * vertices * u64::from(1 + self.collider_count);
         let attachments = per_lane(self.attachment_count);
         let round = volumes + contacts + colliders + vertices;
@@ -198,7 +202,8 @@ impl DeviceBody {
         self.volumes.free(&mut arenas.entries);
         self.contacts.free(arenas);
         arenas.entries.free(std::mem::take(&mut self.colliders));
-        (self.collider_count, self.collider_generation) = (0, 0);
+        (self.collider_count, self.plane_count) = (0, 0);
+        self.collider_generation = 0;
     }
 
     /// Sets the schedule of a body before everything is uploaded.
@@ -344,6 +349,7 @@ impl DeviceBody {
             contacts: self.contacts.count,
             first_collider: self.colliders.start,
             colliders: self.collider_count,
+            planes: self.plane_count,
         };
         let record = body_record(places, constants);
         let (old, new) = (

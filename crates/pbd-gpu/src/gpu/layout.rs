@@ -167,19 +167,15 @@ gpu_struct! {
         gravity_step: [f32; 3],
         /// Time step of a substep \[s\].
         h: f32,
-        /// Height of the ground \[m\]; unused without ground.
-        ground: f32,
-        /// 1 if there is a ground, else 0.
-        has_ground: u32,
         substeps: u32,
         iterations: u32,
         /// Rounds of contacts and volumes per iteration.
         contact_rounds: u32,
         /// 1 if the motion of a body is measured, else 0.
         measures_motion: u32,
+        pad: [f32; 3],
         /// As in [`SolverParams`](crate::SolverParams).
         diagonal_scale: f32,
-        pad: u32,
     }
 }
 
@@ -268,6 +264,8 @@ gpu_struct! {
         /// First entry and number of colliders.
         first_collider: u32,
         colliders: u32,
+        /// Number of planes, which are the last colliders.
+        planes: u32,
     }
 }
 
@@ -299,8 +297,6 @@ gpu_struct! {
     /// Results of a body from the GPU, as [`ordered`] bits.
     #[derive(Eq)]
     struct Report as "Report" {
-        /// Minimum predicted height of even and odd substeps \[m\].
-        lowest: (atomic [u32; 2]),
         /// Minimum corner of the bounding box \[m\].
         box_min: (atomic [u32; 3]),
         /// Maximum corner of the bounding box \[m\].
@@ -321,7 +317,6 @@ impl Report {
     pub(crate) fn new() -> Self {
         let (highest, least) = (ordered(f32::INFINITY), ordered(f32::NEG_INFINITY));
         Self {
-            lowest: [highest; 2],
             box_min: [highest; 3],
             box_max: [least; 3],
             bad_vertex: u32::MAX,

@@ -9,6 +9,7 @@ use super::records::{push_attachment, push_pin};
 use super::upload::Uploads;
 use crate::particles::Pin;
 use crate::solver::Solver;
+use incise_mesh::index_u32;
 use std::ops::Range;
 
 impl DeviceBody {
@@ -83,7 +84,8 @@ impl DeviceBody {
         uploads.entries.extend(entries);
         send_list(&mut self.colliders, context, arenas, uploads)?;
         self.collider_generation = colliders.generation();
-        let count = u32::try_from(records.len()).unwrap_or(u32::MAX);
+        self.plane_count = index_u32(colliders.planes().len());
+        let count = index_u32(records.len());
         let before = std::mem::replace(&mut self.collider_count, count);
         Ok((before > 0) != (count > 0))
     }

@@ -31,7 +31,6 @@ impl Compiler<'_> {
             Pass::Pins => (EntryPoint::Pins, true),
             Pass::LongRangeAttachments => (EntryPoint::LongRangeAttachments, false),
             Pass::CollidersBeforeVolumes | Pass::Colliders => (EntryPoint::Colliders, true),
-            Pass::Ground => (EntryPoint::Ground, true),
             _ => (EntryPoint::Integrate, true),
         };
         let lanes_of = |b: &Stepped<'_>| match pass {
@@ -93,15 +92,6 @@ impl Compiler<'_> {
             ..ALL_CONTACTS
         };
         out.extend(self.dispatch(kernel, pass, true, &lanes));
-    }
-
-    /// Adds the pass that lifts the vertices of pieces with a volume onto the ground.
-    pub(super) fn ground_before_volumes(&mut self) -> Option<Dispatch> {
-        let lanes: Vec<(u32, u32)> = (self.by_passes())
-            .map(|b| (b.slot, b.body.volumes.places.chunks * self.workgroup))
-            .collect();
-        let kernel = Kernel::Pass(EntryPoint::LiftVolumes);
-        self.dispatch(kernel, PLAIN_PASS, true, &lanes)
     }
 
     /// Adds the passes over volumes: sums of chunks, steps of pieces, displacements.

@@ -233,7 +233,6 @@ impl Compiler<'_> {
                 | Pass::ContactsBeforeVolumes
                 | Pass::Contacts
                 | Pass::ContactRecovery => self.contacts(run[0], &mut out),
-                Pass::GroundBeforeVolumes => out.extend(self.ground_before_volumes()),
                 Pass::Volumes => self.volumes(&mut out),
                 pass => out.extend(self.vertices(pass)),
             }

@@ -77,6 +77,7 @@ pub(super) struct Places {
     pub(super) contacts: u32,
     pub(super) first_collider: u32,
     pub(super) colliders: u32,
+    pub(super) planes: u32,
 }
 
 /// Returns the record of a body that kernels read.
@@ -130,6 +131,7 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
         contacts: places.contacts,
         first_collider: places.first_collider,
         colliders: places.colliders,
+        planes: places.planes,
     }
 }
 
@@ -138,13 +140,11 @@ pub(super) fn frame_record(constants: &StepConstants, params: &SolverParams) -> 
     FrameUniform {
         gravity_step: constants.gravity_step,
         h: constants.h,
-        ground: constants.ground.max(f32::MIN),
-        has_ground: u32::from(params.ground.is_some()),
         substeps: constants.substeps,
         iterations: params.iterations,
         contact_rounds: constants.contact_rounds,
         measures_motion: 0,
+        pad: [0.0; 3],
         diagonal_scale: params.diagonal_scale,
-        pad: 0,
     }
 }

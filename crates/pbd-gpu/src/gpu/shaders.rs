@@ -52,8 +52,6 @@ pub(crate) enum EntryPoint {
     /// One workgroup per body: several colors of one kind in order, then the overflow.
     Tail,
     /// One workgroup per chunk of vertices.
-    LiftVolumes,
-    /// One workgroup per chunk of vertices.
     SumVolumes,
     /// One workgroup per piece.
     StepVolumes,
@@ -64,8 +62,6 @@ pub(crate) enum EntryPoint {
     /// One lane per vertex.
     Colliders,
     /// One lane per vertex.
-    Ground,
-    /// One lane per vertex.
     Integrate,
     /// One lane per link.
     ResetBounds,
@@ -75,7 +71,7 @@ pub(crate) enum EntryPoint {
 
 impl EntryPoint {
     /// All entry points; the index of an entry point is its number.
-    pub(crate) const ALL: [Self; 17] = [
+    pub(crate) const ALL: [Self; 15] = [
         Self::Predict,
         Self::Pins,
         Self::LongRangeAttachments,
@@ -83,13 +79,11 @@ impl EntryPoint {
         Self::Stretch,
         Self::Bending,
         Self::Tail,
-        Self::LiftVolumes,
         Self::SumVolumes,
         Self::StepVolumes,
         Self::MoveVolumes,
         Self::ResetVolumes,
         Self::Colliders,
-        Self::Ground,
         Self::Integrate,
         Self::ResetBounds,
         Self::Bounds,
@@ -105,13 +99,11 @@ impl EntryPoint {
             Self::Stretch => "stretch",
             Self::Bending => "bending",
             Self::Tail => "tail",
-            Self::LiftVolumes => "lift_volumes",
             Self::SumVolumes => "sum_volumes",
             Self::StepVolumes => "step_volumes",
             Self::MoveVolumes => "move_volumes",
             Self::ResetVolumes => "reset_volumes",
             Self::Colliders => "colliders",
-            Self::Ground => "ground",
             Self::Integrate => "integrate",
             Self::ResetBounds => "reset_bounds",
             Self::Bounds => "bounds",
@@ -119,7 +111,7 @@ impl EntryPoint {
     }
 }
 
-const SHARED: [&str; 15] = [
+const SHARED: [&str; 14] = [
     include_str!("shaders/types.wgsl"),
     include_str!("shaders/bits.wgsl"),
     include_str!("shaders/links.wgsl"),
@@ -132,7 +124,6 @@ const SHARED: [&str; 15] = [
     include_str!("../kernels/contact_features.wgsl"),
     include_str!("../kernels/contacts.wgsl"),
     include_str!("../kernels/colliders.wgsl"),
-    include_str!("../kernels/ground.wgsl"),
     include_str!("../kernels/integrate.wgsl"),
     include_str!("shaders/sweep.wgsl"),
 ];

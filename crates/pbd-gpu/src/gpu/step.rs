@@ -59,6 +59,7 @@ impl GpuBackend {
         let touch = |contact_rounds| Touch {
             joins_pieces: false,
             contact_rounds,
+            reaches_colliders: true,
         };
         let mut stats = GpuStats::default();
         if bodies.is_empty() {

@@ -1,4 +1,27 @@
 // WGSL counterpart of `colliders.rs`.
+//
+// The fourth component of the velocity holds the remaining friction bound of the substep. Its sign
+// bit tells whether an active contact carries the vertex. integrate() resets both.
+
+const SIGN_BIT: u32 = 0x80000000u;
+
+fn friction_bound(i: u32) -> f32 {
+    return abs(velocities[first_vertex + i].w);
+}
+
+fn set_friction_bound(i: u32, bound: f32) {
+    let sign = bitcast<u32>(velocities[first_vertex + i].w) & SIGN_BIT;
+    velocities[first_vertex + i].w = bitcast<f32>(bitcast<u32>(bound) | sign);
+}
+
+fn mark_carried(i: u32) {
+    let bits = bitcast<u32>(velocities[first_vertex + i].w);
+    velocities[first_vertex + i].w = bitcast<f32>(bits | SIGN_BIT);
+}
+
+fn is_carried(i: u32) -> bool {
+    return (bitcast<u32>(velocities[first_vertex + i].w) & SIGN_BIT) != 0u;
+}
 
 struct Separation {
     distance: f32,
@@ -59,11 +82,49 @@ fn touches(distance: f32, q: vec3f) -> bool {
     return distance <= TOUCH * ((abs(q.x) + abs(q.y)) + abs(q.z));
 }
 
+// Returns the height of a point above a plane.
+fn height(q: vec3f, d: vec3f, normal: vec3f) -> f32 {
+    return dot_product(normal, q) + dot_product(normal, d);
+}
+
+// Returns the entry of the first plane of a body; planes are its last colliders.
+fn first_plane(body: Body) -> u32 {
+    return body.first_collider + COLLIDER_ENTRIES * (body.colliders - body.planes);
+}
+
+// Returns the vector that moves a vertex out of the plane at an entry.
+fn push_out_of_plane(at: u32, x: vec4f, d: vec3f) -> vec3f {
+    let normal = collider_vector(at, 5u);
+    let distance = height(x.xyz - collider_origin(at), d, normal);
+    return select(0.0, -distance, distance < 0.0 && x.w > 0.0) * normal;
+}
+
+struct Slide {
+    direction: vec3f,
+    is_pressed: bool,
+}
+
+// Returns the part of a direction along which a vertex can move, and whether it would be pressed
+// into planes that it touches.
+fn slide_on_planes(body: Body, x: vec4f, d: vec3f, direction: vec3f) -> Slide {
+    var slide = Slide(direction, false);
+    for (var k = 0u; k < body.planes; k++) {
+        let at = first_plane(body) + COLLIDER_ENTRIES * k;
+        let q = x.xyz - collider_origin(at);
+        let normal = collider_vector(at, 5u);
+        let along = dot_product(slide.direction, normal);
+        if (along < 0.0 && touches(height(q, d, normal), q)) {
+            slide = Slide(slide.direction - along * normal, true);
+        }
+    }
+    return slide;
+}
+
 fn separation(q: vec3f, d: vec3f, at: u32) -> Separation {
     let kind = constraints[at].x;
     let along = collider_vector(at, 5u);
     if (kind == PLANE) {
-        return Separation(dot_product(along, q) + dot_product(along, d), along);
+        return Separation(height(q, d, along), along);
     }
     let p = q + d;
     let u = collider_vector(at, 8u);

@@ -7,26 +7,26 @@
 //! creep downhill. A sum of lengths would count a slide and its return twice. Friction also takes
 //! back the drift of the last substep, see [`contact_features`](super::contact_features).
 //!
-//! The ground lifts its vertices after the contacts. A contact sees them as the ground will leave
-//! them, and counts them as fixed in height. They take the reaction nevertheless: the ground undoes
-//! it, and its friction counts the load.
+//! Planes push vertices out after the contacts. A contact sees vertices as the planes will leave
+//! them, and counts those that it presses into a plane as fixed along its normal. They take the
+//! reaction nevertheless: the plane undoes it, and its friction counts the load.
 
+use super::colliders::{Planes, dot};
 use super::particle_state::{ParticleState, ParticleStates, lanes};
 use crate::constraints::contacts::{Carried, ContactRecord};
 use std::cell::Cell;
 
 /// Separates the features of the contacts with the indices `facing`, one after the other.
 ///
-/// The slice begins with the index `first`. `time` is that of the frame \[s\]. Vertices at or below
-/// `ground` \[m\] are on it. Marks those of [carried](crate::Carried) features in `carried`, shape
-/// [vertices].
+/// The slice begins with the index `first`. Marks the vertices of [carried](crate::Carried)
+/// features in `carried`, shape [vertices].
 #[inline(never)]
 pub(crate) fn contacts(
     particles: ParticleStates<'_>,
     carried: &[Cell<bool>],
     (contacts, first): (&mut [ContactRecord], usize),
     facing: &[u32],
-    (ground, time): (f32, f32),
+    planes: Planes<'_>,
 ) {
     for &i in facing {
         let contact = &mut contacts[i as usize - first];
@@ -35,14 +35,14 @@ pub(crate) fn contacts(
         for (p, &v) in p.iter_mut().zip(&contact.vertices[..count]) {
             *p = particles.get(v as usize);
         }
-        // The ground lifts its vertices later in the substep.
-        let lifted = p.map(|p| lifted(p, ground));
+        // Planes push vertices out later in the substep.
+        let lifted = p.map(|p| lifted(p, planes));
         let n = contact.normal;
         let between = between_features(contact, lifted);
         let gap = if count == 4 {
             contact.gap
         } else {
-            contact.gap + contact.gap_rate * time
+            contact.gap + contact.gap_rate * planes.time
         };
         let depth = gap - dot(between, n);
         let is_near = depth > 0.0;
@@ -53,10 +53,15 @@ pub(crate) fn contacts(
         let w = contact.weights;
         let shares = shares(w, p);
         let free = inverse_mass((w, shares), [[1.0; 2]; 4]);
-        // Vertices on the ground move along the horizontal part of the normal only.
-        let level = [greater(1.0 - n[1] * n[1], 0.0), n[0].abs() + n[2].abs()];
-        let is_low = is_pressed_into((w, n), p, ground);
-        let parts = is_low.map(|is_low| if is_low { level } else { [1.0; 2] });
+        // Vertices on a plane slide along it only.
+        let parts = slides((w, n), p, planes).map(|slide| match slide {
+            Some(along) if dot(along, along) < MIN_SLIDE => [0.0; 2],
+            Some(along) => {
+                let size = along[0].abs() + along[1].abs() + along[2].abs();
+                [dot(along, along), size]
+            }
+            None => [1.0; 2],
+        });
         let weight = inverse_mass((w, shares), parts);
         let is_active = weight > 0.0;
         contact.is_active = u32::from(is_active);
@@ -106,14 +111,15 @@ pub(super) fn between_features(contact: &ContactRecord, p: [ParticleState; 4]) -
     weighted_sum(contact.weights, p.map(|p| center.vector_to(p)))
 }
 
-/// Returns a state as the ground will leave it.
+/// Returns a state as the planes will leave it.
 #[inline(always)]
-fn lifted(ParticleState { x, mut d }: ParticleState, ground: f32) -> ParticleState {
-    let depth = ground - (x[1] + d[1]);
-    if depth > 0.0 && x[3] > 0.0 {
-        d[1] += depth;
+fn lifted(mut state: ParticleState, planes: Planes<'_>) -> ParticleState {
+    for push in planes.push_out(state) {
+        for (d, push) in state.d.iter_mut().zip(push) {
+            *d += push;
+        }
     }
-    ParticleState { x, d }
+    state
 }
 
 /// Maximum motion of a vertex, relative to the correction of the distance.
@@ -122,16 +128,32 @@ fn lifted(ParticleState { x, mut d }: ParticleState, ground: f32) -> ParticleSta
 /// all of them are fixed. Next to a pin it may be the reciprocal of a tiny weight.
 pub(crate) const MAX_SHARE: f32 = 8.0;
 
+/// Minimum squared sine between the normals of a contact and of a plane for vertices to slide.
+///
+/// Between a held face and a parallel plane rounding would move them by a million corrections.
+pub(crate) const MIN_SLIDE: f32 = 1e-6;
+
 /// Returns the weights of vertices times their inverse masses.
 #[inline(always)]
 fn shares(w: [f32; 4], p: [ParticleState; 4]) -> [f32; 4] {
     [0, 1, 2, 3].map(|i: usize| w[i] * p[i].x[3])
 }
 
-/// Returns whether the correction of a contact presses each vertex into the ground.
+/// Returns the direction in which each vertex can move, if the correction of a contact along `n`
+/// presses it into a plane.
 #[inline(always)]
-fn is_pressed_into((w, n): ([f32; 4], [f32; 3]), p: [ParticleState; 4], ground: f32) -> [bool; 4] {
-    [0, 1, 2, 3].map(|i: usize| w[i] * n[1] < 0.0 && p[i].x[1] + p[i].d[1] <= ground)
+fn slides(
+    (w, n): ([f32; 4], [f32; 3]),
+    p: [ParticleState; 4],
+    planes: Planes<'_>,
+) -> [Option<[f32; 3]>; 4] {
+    [0, 1, 2, 3].map(|i: usize| {
+        let sign = if w[i] < 0.0 { -1.0 } else { 1.0 };
+        if w[i] == 0.0 {
+            return None;
+        }
+        planes.slide(p[i], n.map(|c| sign * c))
+    })
 }
 
 /// Returns the effective inverse mass of a contact [1/kg], bounded from below by [`MAX_SHARE`].
@@ -167,15 +189,15 @@ pub(crate) const LIFT: f32 = 4.0;
 /// Ends a substep of `h` \[s\]: active contacts of pairs separate without velocity.
 ///
 /// Displacements lose their separating part, and start positions gain it and the recovery of
-/// missing distances. [Carried](crate::Carried) features only rise, and recover more: contacts on
-/// which others press lose parts of `fall`, the displacement by gravity in a substep \[m\], in each
-/// substep. Returns an upper bound of the change of a position by recovery along an axis \[m\], if
-/// no vertex is in two of the contacts.
+/// missing distances, without entering planes. [Carried](crate::Carried) features only rise, and
+/// recover more: contacts on which others press lose parts of `fall`, the displacement by gravity
+/// in a substep \[m\], in each substep. Returns an upper bound of the change of a position by
+/// recovery along an axis \[m\], if no vertex is in two of the contacts.
 #[inline(never)]
 pub(crate) fn recover_contacts(
     particles: ParticleStates<'_>,
     contacts: &[ContactRecord],
-    (ground, h): (f32, f32),
+    (planes, h): (Planes<'_>, f32),
     fall: [f32; 3],
 ) -> f32 {
     let mut max_change = 0.0;
@@ -191,10 +213,14 @@ pub(crate) fn recover_contacts(
         if !is_movable {
             continue;
         }
-        // The carrying feature stays, as the ground does.
+        // The carrying feature stays, as planes do.
         let is_carried = contact.carried != Carried::Neither as u16;
-        let base = if is_carried { f32::INFINITY } else { ground };
-        let rising = is_pressed_into((w, n), p, base).map(|stays| if stays { 0.0 } else { 1.0 });
+        let down = dot(n, fall);
+        let slides = slides((w, n), p, planes);
+        let rising = [0, 1, 2, 3].map(|i: usize| {
+            let stays = slides[i].is_some() || is_carried && w[i] * down > 0.0;
+            if stays { 0.0 } else { 1.0 }
+        });
         let weight = inverse_mass((w, shares), rising.map(|part| [part; 2]));
         let (rising, weight) = if weight > 0.0 {
             (rising, weight)
@@ -205,17 +231,13 @@ pub(crate) fn recover_contacts(
         let separation = if along > 0.0 { along } else { 0.0 };
         let missing = contact.thickness - contact.gap;
         let slow = lesser(missing, MAX_MISSING * contact.thickness) * (RECOVERY * h);
-        let lift = if is_carried {
-            LIFT * dot(fall, n).abs()
-        } else {
-            0.0
-        };
+        let lift = if is_carried { LIFT * down.abs() } else { 0.0 };
         let recovery = lesser(missing, slow + lift);
         let [lost, gained] = [separation / free, recovery / weight];
         for (i, ParticleState { x, d }) in p.into_iter().enumerate() {
             let lost = shares[i] * lost;
             let shift = lost + shares[i] * (gained * rising[i]);
-            let state = ParticleState {
+            let mut state = ParticleState {
                 x: [
                     x[0] + shift * n[0],
                     x[1] + shift * n[1],
@@ -229,8 +251,15 @@ pub(crate) fn recover_contacts(
                     d[3],
                 ],
             };
+            let mut change = shift.abs();
+            for push in planes.push_out(state) {
+                for (x, push) in state.x.iter_mut().zip(push) {
+                    *x += push;
+                    change += push.abs();
+                }
+            }
             particles.set(contact.vertices[i] as usize, state);
-            max_change = f32::max(max_change, shift.abs());
+            max_change = f32::max(max_change, change);
         }
     }
     max_change
@@ -242,11 +271,6 @@ fn weighted_sum(w: [f32; 4], r: [[f32; 4]; 4]) -> [f32; 3] {
     let [x, y, z, _] =
         lanes(|k| (w[0] * r[0][k] + w[1] * r[1][k]) + (w[2] * r[2][k] + w[3] * r[3][k]));
     [x, y, z]
-}
-
-#[inline(always)]
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// Returns the part of a slide that friction removes, and adds `more` to the friction bound.

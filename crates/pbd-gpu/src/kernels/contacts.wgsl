@@ -24,13 +24,13 @@ fn lesser(a: f32, b: f32) -> f32 {
     return select(a, b, b < a);
 }
 
-// Returns whether the correction of a contact moves each vertex down.
-fn is_pressed_down(w: vec4f, n: vec3f) -> vec4<bool> {
-    return w * n.y < vec4f();
-}
-
-fn is_low(heights: vec4f) -> vec4<bool> {
-    return heights <= vec4f(frame.ground) & vec4<bool>(frame.has_ground != 0u);
+// Returns the direction in which a vertex of weight w can move, and whether the correction of a
+// contact along n presses it into a plane.
+fn slide_of(body: Body, w: f32, n: vec3f, x: vec4f, d: vec3f) -> Slide {
+    if (w == 0.0) {
+        return Slide(n, false);
+    }
+    return slide_on_planes(body, x, d, select(1.0, -1.0, w < 0.0) * n);
 }
 
 // Returns the effective inverse mass of a contact. The parts of the vertices multiply their inverse
@@ -43,15 +43,17 @@ fn effective_inverse_mass(w: vec4f, shares: vec4f, parts: vec4f, sizes: vec4f) -
     return greater(weight, largest / MAX_SHARE);
 }
 
-// Returns a displacement as the ground will leave it.
-fn lifted(x: vec4f, d: vec3f) -> vec3f {
-    let depth = frame.ground - (x.y + d.y);
-    let is_low = frame.has_ground != 0u && depth > 0.0 && x.w > 0.0;
-    return vec3f(d.x, select(d.y, d.y + depth, is_low), d.z);
+// Returns a displacement as the planes will leave it.
+fn lifted(body: Body, x: vec4f, displacement: vec3f) -> vec3f {
+    var d = displacement;
+    for (var k = 0u; k < body.planes; k++) {
+        d += push_out_of_plane(first_plane(body) + COLLIDER_ENTRIES * k, x, d);
+    }
+    return d;
 }
 
 // Separates the features of the contact at an entry.
-fn project_contact(at: u32) {
+fn project_contact(body: Body, at: u32) {
     let v = vec4u(constraints[at], constraints[at + 1u]);
     let w = bitcast<vec4f>(vec4u(constraints[at + 2u], constraints[at + 3u]));
     let plane = bitcast<vec4f>(vec4u(constraints[at + 4u], constraints[at + 5u]));
@@ -64,7 +66,7 @@ fn project_contact(at: u32) {
     for (var i = 0u; i < select(1u, 4u, is_pair); i++) {
         x[i] = load_x(v[i]);
         d[i] = load_d(v[i]);
-        up[i] = lifted(x[i], d[i]);
+        up[i] = lifted(body, x[i], d[i]);
     }
     let center_x = select(vec4f(), x[0], is_pair);
     let center_d = select(vec3f(), up[0], is_pair);
@@ -78,11 +80,19 @@ fn project_contact(at: u32) {
     let depth = gap - (between.x * n.x + between.y * n.y + between.z * n.z);
     let shares = w * vec4f(x[0].w, x[1].w, x[2].w, x[3].w);
     let free = effective_inverse_mass(w, shares, vec4f(1.0), vec4f(1.0));
-    // Vertices on the ground move along the horizontal part of the normal only.
-    let heights = vec4f(x[0].y, x[1].y, x[2].y, x[3].y) + vec4f(d[0].y, d[1].y, d[2].y, d[3].y);
-    let holds = is_pressed_down(w, n) & is_low(heights);
-    let parts = select(vec4f(1.0), vec4f(greater(1.0 - n.y * n.y, 0.0)), holds);
-    let sizes = select(vec4f(1.0), vec4f(abs(n.x) + abs(n.z)), holds);
+    // Vertices on a plane slide along it only.
+    var parts = vec4f(1.0);
+    var sizes = vec4f(1.0);
+    for (var i = 0u; i < 4u; i++) {
+        let slide = slide_of(body, w[i], n, x[i], d[i]);
+        if (slide.is_pressed) {
+            let along = slide.direction;
+            let square = dot_product(along, along);
+            let size = abs(along.x) + abs(along.y) + abs(along.z);
+            parts[i] = select(square, 0.0, square < MIN_SLIDE);
+            sizes[i] = select(size, 0.0, square < MIN_SLIDE);
+        }
+    }
     let weight = effective_inverse_mass(w, shares, parts, sizes);
     let is_active = depth > 0.0 && weight > 0.0;
     constraints[at + 8u].x = select(0u, 1u, is_active);
@@ -112,7 +122,7 @@ fn project_contact(at: u32) {
 }
 
 // Lets the contact at an entry separate without velocity, if it is active.
-fn recover_contact(at: u32) {
+fn recover_contact(body: Body, at: u32) {
     let v = vec4u(constraints[at], constraints[at + 1u]);
     if (constraints[at + 8u].x == 0u || v.y == NO_VERTEX) {
         return;
@@ -132,11 +142,14 @@ fn recover_contact(at: u32) {
     if (!(free > 0.0)) {
         return;
     }
-    // The carrying feature stays, as the ground does.
+    // The carrying feature stays, as planes do.
     let is_carried = (constraints[at + 7u].y >> 16u) != 0u;
-    let heights = vec4f(x[0].y, x[1].y, x[2].y, x[3].y) + vec4f(d[0].y, d[1].y, d[2].y, d[3].y);
-    let stays = is_pressed_down(w, n) & (is_low(heights) | vec4<bool>(is_carried));
-    var rising = select(vec4f(1.0), vec4f(), stays);
+    let down = dot_product(n, frame.gravity_step * frame.h);
+    var rising = vec4f(1.0);
+    for (var i = 0u; i < 4u; i++) {
+        let is_pressed = slide_of(body, w[i], n, x[i], d[i]).is_pressed;
+        rising[i] = select(1.0, 0.0, is_pressed || (is_carried && w[i] * down > 0.0));
+    }
     var weight = effective_inverse_mass(w, shares, rising, rising);
     if (!(weight > 0.0)) {
         rising = vec4f(1.0);
@@ -147,13 +160,25 @@ fn recover_contact(at: u32) {
     let separation = select(0.0, along, along > 0.0);
     let missing = thickness - plane.w;
     let slow = lesser(missing, MAX_MISSING * thickness) * (CONTACT_RECOVERY * frame.h);
-    let fall = frame.gravity_step * frame.h;
-    let along_normal = abs(fall.x * n.x + fall.y * n.y + fall.z * n.z);
-    let recovery = lesser(missing, slow + select(0.0, LIFT * along_normal, is_carried));
+    let recovery = lesser(missing, slow + select(0.0, LIFT * abs(down), is_carried));
     for (var i = 0u; i < 4u; i++) {
         let lost = shares[i] * (separation / free);
         let shift = lost + shares[i] * ((recovery / weight) * rising[i]);
-        store_x(v[i], vec4f(x[i].xyz + shift * n, x[i].w));
-        store_d(v[i], d[i] - lost * n);
+        let left = d[i] - lost * n;
+        let to = lifted_position(body, vec4f(x[i].xyz + shift * n, x[i].w), left);
+        store_x(v[i], vec4f(to, x[i].w));
+        store_d(v[i], left);
     }
+}
+
+// Returns a position at the start of the substep, moved so that its vertex ends in no plane.
+fn lifted_position(body: Body, x: vec4f, displacement: vec3f) -> vec3f {
+    var out = x.xyz;
+    var d = displacement;
+    for (var k = 0u; k < body.planes; k++) {
+        let push = push_out_of_plane(first_plane(body) + COLLIDER_ENTRIES * k, x, d);
+        d += push;
+        out += push;
+    }
+    return out;
 }

@@ -1,38 +1,23 @@
 //! New velocities and positions: Algorithm 1, lines 10 to 13.
 
 use super::particle_state::{ParticleState, ParticleStates};
-use crate::step::constants::StepConstants;
 use incise_mesh::VertexId;
 
-/// Sets `v = d / h` and adds `d` to `x`.
+/// Sets `v = d / h` and adds `d` to `x`, for substeps of `h` \[s\].
 ///
-/// Vertices below the ground are moved onto it. Returns the largest change of a coordinate, or
-/// `None` if a position is not finite.
+/// Returns the largest change of a coordinate, or `None` if a position is not finite.
 #[inline(always)]
-pub(crate) fn integrate(
-    particles: ParticleStates<'_>,
-    v: &mut [[f32; 4]],
-    constants: &StepConstants,
-) -> Option<f32> {
-    let (h, ground) = (constants.h, constants.ground);
+pub(crate) fn integrate(particles: ParticleStates<'_>, v: &mut [[f32; 4]], h: f32) -> Option<f32> {
     // Zero times an infinity or a NaN is a NaN, which persists in the sum.
     let mut non_finite_sum = 0.0;
     let mut max_change = 0.0;
     let max = |a: f32, b: f32| if b > a { b } else { a };
     for (cell, v) in particles.iter().zip(v) {
         let ParticleState { mut x, d } = cell.get();
-        let floor = if x[3] > 0.0 {
-            ground
-        } else {
-            f32::NEG_INFINITY
-        };
-        let y = x[1] + d[1];
         *v = [d[0] / h, d[1] / h, d[2] / h, 0.0];
-        let y = if y < floor { floor } else { y };
-        let across = max(d[0].abs(), d[2].abs());
-        max_change = max(max_change, max(across, (y - x[1]).abs()));
+        max_change = max(max_change, max(max(d[0].abs(), d[2].abs()), d[1].abs()));
         x[0] += d[0];
-        x[1] = y;
+        x[1] += d[1];
         x[2] += d[2];
         non_finite_sum += (x[0] * 0.0 + x[1] * 0.0) + x[2] * 0.0;
         cell.set(ParticleState { x, d });
@@ -59,35 +44,9 @@ pub(crate) fn first_non_finite(x: &[[f32; 4]]) -> VertexId {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::step::constants::{Projection, VolumeProjection};
 
     #[test]
     fn positions_that_are_not_finite_are_found() {
-        let rigid = Projection {
-            factor: 1.0,
-            alpha: 0.0,
-            diagonal_scale: 1.0,
-            error_carryover: 0.0,
-            accumulates_lambda: false,
-            recovery: 0.0,
-            edge_stiffness: 0.0,
-        };
-        let constants = StepConstants {
-            h: 0.01,
-            substeps: 1,
-            contact_rounds: 1,
-            sweeps_back: false,
-            gravity_step: [0.0; 3],
-            velocity_factor: 1.0,
-            stretch: rigid,
-            bending: rigid,
-            interior_springs: rigid,
-            volume: VolumeProjection::NONE,
-            ground: f32::NEG_INFINITY,
-            friction: 0.0,
-            residual: None,
-            threads: None,
-        };
         for bad in [f32::NAN, f32::INFINITY] {
             for k in 0..3 {
                 let mut states = [ParticleState {
@@ -95,12 +54,12 @@ mod tests {
                     d: [0.5, -0.5, 0.0, 0.0],
                 }; 3];
                 let mut v = [[0.0; 4]; 3];
-                let max_change = integrate(ParticleStates::new(&mut states), &mut v, &constants);
+                let max_change = integrate(ParticleStates::new(&mut states), &mut v, 0.01);
                 assert_eq!(max_change, Some(0.5), "finite");
                 assert_eq!(v[0], [50.0, -50.0, 0.0, 0.0]);
                 assert!(are_finite(&states.map(|state| state.x)), "finite");
                 states[1].d[k] = bad;
-                let max_change = integrate(ParticleStates::new(&mut states), &mut v, &constants);
+                let max_change = integrate(ParticleStates::new(&mut states), &mut v, 0.01);
                 assert_eq!(max_change, None, "{bad} at {k}");
                 let x = states.map(|state| state.x);
                 assert_eq!(first_non_finite(&x), VertexId(1));

@@ -9,12 +9,9 @@ fn integrate_vertex(i: u32) -> bool {
     let d = load_d(i);
     velocities[first_vertex + i] = vec4f(d / frame.h, 0.0);
     let end = x.xyz + d;
-    let sunk = frame.has_ground != 0u && x.w > 0.0 && end.y < frame.ground;
-    // NaN must not be replaced by the height of the ground.
-    let y = select(end.y, frame.ground, sunk && is_number(end.y));
-    max_displacement = max(max_displacement, max(max(abs(d.x), abs(d.z)), abs(y - x.y)));
-    positions[first_vertex + i] = vec4f(end.x, y, end.z, x.w);
-    return is_finite(end.x) && is_finite(y) && is_finite(end.z);
+    max_displacement = max(max_displacement, max(max(abs(d.x), abs(d.z)), abs(d.y)));
+    positions[first_vertex + i] = vec4f(end, x.w);
+    return is_finite(end.x) && is_finite(end.y) && is_finite(end.z);
 }
 
 // Reports a vertex with a position that is not finite; the first substep and vertex are kept.

@@ -4,17 +4,14 @@ use super::particle_state::{ParticleState, ParticleStates};
 use crate::step::constants::StepConstants;
 
 /// Sets the predicted displacement of every vertex.
-///
-/// Returns the minimum predicted height of the movable vertices \[m\], or infinity without any.
 #[inline(always)]
 pub(crate) fn predict(
     particles: ParticleStates<'_>,
     v: &mut [[f32; 4]],
     constants: &StepConstants,
-) -> f32 {
+) {
     let [gx, gy, gz] = constants.gravity_step;
     let (h, kept) = (constants.h, constants.velocity_factor);
-    let mut lowest = f32::INFINITY;
     for (cell, v) in particles.iter().zip(v) {
         let x = cell.get().x;
         let free = if x[3] > 0.0 { 1.0 } else { 0.0 };
@@ -27,12 +24,5 @@ pub(crate) fn predict(
         ];
         let d = [v[0] * h, v[1] * h, v[2] * h, 0.0];
         cell.set(ParticleState { x, d });
-        let height = if x[3] > 0.0 {
-            x[1] + d[1]
-        } else {
-            f32::INFINITY
-        };
-        lowest = if height < lowest { height } else { lowest };
     }
-    lowest
 }

@@ -10,14 +10,14 @@
 //! each reduced by a tree, then the chunks by the same tree. The fixed order makes the sums equal
 //! on any number of threads and on any GPU.
 //!
-//! Sums count a vertex on the ground, or [carried](crate::Carried) by a piece, as fixed if its
-//! outward normal points down, so that the ground takes nothing of a volume after this pass. Where
-//! it slips, it counts as free to move sideways: all horizontal parts of gradients cancel, and
-//! without friction the piece must not be pushed. The same holds for colliders, along their
-//! normals.
+//! Sums count a vertex that touches a collider as fixed if its outward normal points into it, so
+//! that the collider takes nothing of a volume after this pass. Where it slips, it counts as free
+//! to move along the collider: on a plane these parts of all gradients cancel, and without friction
+//! the piece must not be pushed. A vertex that is [carried](crate::Carried) by a piece counts as
+//! fixed if its normal points down.
 //!
-//! A growing volume still moves vertices into the ground and colliders. Their pass undoes it, and
-//! their friction counts the load. Otherwise blocks creep downhill. Carried vertices do not move
+//! A growing volume still moves vertices into colliders. Their pass undoes it, and their friction
+//! counts the load. Otherwise blocks creep downhill. Carried vertices do not move
 //! down: columns would collapse. Nor do those of pieces thinner than their fall in a substep, which
 //! friction would keep flat.
 //!
@@ -27,9 +27,9 @@ pub(crate) mod motion;
 pub(crate) mod steps;
 mod tree;
 
-use super::colliders::{TOUCH, separation, touches};
+use super::colliders::{dot, separation, touches};
 use super::particle_state::{ParticleState, ParticleStates};
-use crate::constraints::colliders::ColliderRecord;
+use crate::constraints::colliders::{ColliderRecord, PLANE};
 use crate::constraints::volumes::{Spoke, VolumeSet};
 use crate::parallel::Leader;
 use crate::parallel::passes::volume_gradients;
@@ -72,11 +72,11 @@ impl VolumeScratch {
     }
 }
 
-/// The ground, colliders and carrying pieces that bound the motion of vertices.
+/// The colliders and carrying pieces that bound the motion of vertices.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct VolumeObstacles<'a> {
-    /// Height of the ground \[m\].
-    pub(crate) ground: f32,
+    /// A vector along gravity.
+    pub(crate) gravity: [f32; 3],
     pub(crate) colliders: &'a [ColliderRecord],
     /// Vertices that a piece carries, shape [vertex slots]; empty without contacts.
     pub(crate) carried: &'a [Cell<bool>],
@@ -93,8 +93,7 @@ struct PieceInput<'a> {
     /// Vertex that positions are relative to.
     center: usize,
     obstacles: VolumeObstacles<'a>,
-    /// Velocities; the fourth component is the remaining friction bound of ground and colliders
-    /// \[m\].
+    /// Velocities; the fourth component is the remaining friction bound of colliders \[m\].
     velocities: &'a [[f32; 4]],
 }
 
@@ -272,24 +271,24 @@ impl VolumeObstacles<'_> {
     fn free_gradient(
         &self,
         is_carried: bool,
-        [gx, gy, gz]: [f32; 3],
+        gradient: [f32; 3],
         ParticleState { x, d }: ParticleState,
         held: f32,
     ) -> [f32; 3] {
-        // Rounding leaves some of the vertices that were lifted slightly above the ground.
-        let height = (x[1] + d[1]) - self.ground;
-        let is_low = height <= TOUCH * (x[1].abs() + d[1].abs());
-        let is_pressed = (is_carried || is_low) && gy < 0.0;
+        if is_carried && dot(gradient, self.gravity) > 0.0 {
+            return [0.0; 3];
+        }
         let slips = !is_carried && held == 0.0;
-        let mut free = match (is_pressed, slips) {
-            (false, _) => [gx, gy, gz],
-            (true, true) => [gx, 0.0, gz],
-            (true, false) => [0.0; 3],
-        };
+        let mut free = gradient;
         for collider in self.colliders {
+            // Most vertices are not pressed into a plane, whose normal is the same everywhere.
+            let is_pressed = collider.kind != PLANE || dot(free, collider.extent) < 0.0;
+            if !is_pressed {
+                continue;
+            }
             let q = collider.relative(x, self.time);
             let (distance, n) = separation(q, [d[0], d[1], d[2]], collider);
-            let along = free[0] * n[0] + free[1] * n[1] + free[2] * n[2];
+            let along = dot(free, n);
             if along < 0.0 && touches(distance, q) {
                 let slide = [0, 1, 2].map(|k: usize| free[k] - along * n[k]);
                 free = if slips { slide } else { [0.0; 3] };
@@ -301,7 +300,7 @@ impl VolumeObstacles<'_> {
 
 /// Moves the vertices of a piece by the steps of displacements and of positions.
 ///
-/// If the piece `reacts`, displacements go into the ground and colliders, whose passes undo them.
+/// If the piece `reacts`, displacements go into colliders, whose pass undoes them.
 /// Positions never do.
 #[inline(always)]
 fn apply(

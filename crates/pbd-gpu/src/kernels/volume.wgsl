@@ -41,17 +41,15 @@ fn displacement(i: u32, at_start: bool) -> vec3f {
     return load_d(i);
 }
 
-// Returns the part of a gradient that the ground, a carrying piece and colliders let a vertex
-// follow.
+// Returns the part of a gradient that a carrying piece and colliders let a vertex follow.
 fn free_gradient(body: Body, v: u32, gradient: vec3f) -> vec3f {
     let x = load_x(v);
     let d = load_d(v);
-    let height = (x.y + d.y) - frame.ground;
-    let is_low = frame.has_ground != 0u && height <= TOUCH * (abs(x.y) + abs(d.y));
-    let is_pressed = (is_carried(v) || is_low) && gradient.y < 0.0;
+    if (is_carried(v) && dot_product(gradient, frame.gravity_step) > 0.0) {
+        return vec3f();
+    }
     let slips = !is_carried(v) && friction_bound(v) == 0.0;
-    let level = select(vec3f(), vec3f(gradient.x, 0.0, gradient.z), slips);
-    var free = select(gradient, level, is_pressed);
+    var free = gradient;
     for (var k = 0u; k < body.colliders; k++) {
         let at = body.first_collider + COLLIDER_ENTRIES * k;
         let q = x.xyz - collider_origin(at);
@@ -87,14 +85,6 @@ fn sum_leaves(lane: u32, lanes: u32, are_motions: bool) {
             store_leaf(i, add_leaves(load_leaf(i), load_leaf(i + width), are_motions));
         }
         workgroupBarrier();
-    }
-}
-
-// Lifts the vertices of a chunk onto the ground.
-fn lift_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
-    let spokes = constraints[body.first_chunk + CHUNK_ENTRIES * number];
-    for (var i = lane; i < spokes.y; i += lanes) {
-        lift_vertex(constraints[body.first_spoke + spokes.x + i].x, body.friction);
     }
 }
 

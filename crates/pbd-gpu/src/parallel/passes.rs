@@ -4,6 +4,7 @@ use super::team::{Leader, with_team};
 use crate::constraints::batches::Part;
 use crate::constraints::contacts::ContactRecord;
 use crate::kernels::block::dispatch;
+use crate::kernels::colliders::Planes;
 use crate::kernels::contacts::contacts as project_contacts;
 use crate::kernels::particle_state::ParticleStates;
 use crate::kernels::volume::{CHUNK, VolumeGradients, VolumeScratch};
@@ -97,7 +98,7 @@ pub(crate) fn sweep_contacts(
     particles: ParticleStates<'_>,
     carried: &[Cell<bool>],
     (contacts, facing): (&mut [ContactRecord], &[u32]),
-    at: (f32, f32),
+    planes: Planes<'_>,
 ) {
     let count = contacts.len();
     let size = chunk_size(count, leader.members());
@@ -112,7 +113,7 @@ pub(crate) fn sweep_contacts(
             unsafe { std::slice::from_raw_parts_mut(contacts.add(range.start), range.len()) };
         let place = |end: usize| facing.partition_point(|&i| (i as usize) < end);
         let facing = &facing[place(range.start)..place(range.end)];
-        project_contacts(particles, carried, (contacts, range.start), facing, at);
+        project_contacts(particles, carried, (contacts, range.start), facing, planes);
     });
 }
 

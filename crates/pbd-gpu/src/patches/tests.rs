@@ -4,7 +4,7 @@ use crate::constraints::batches::{ConstraintSet, Slot};
 use crate::constraints::coloring::LAYERS;
 use crate::patches::PatchParams;
 use crate::patches::content::{PatchBatch, PatchContents};
-use crate::{ConstraintError, Material, Solver, SolverParams};
+use crate::{Collider, ConstraintError, Material, Solver, SolverParams};
 use incise_mesh::icosphere;
 use incise_mesh::{HalfEdge, Surface, TriangleId, VertexId};
 use incise_models::double_cone;
@@ -22,8 +22,15 @@ fn layer_sizes<const N: usize>(set: &ConstraintSet<N>) -> [usize; LAYERS] {
     sizes
 }
 
+fn put_on_ground(solver: &mut Solver) {
+    let ground = [Collider::ground(-0.6).into()];
+    solver.set_colliders(&ground).unwrap();
+}
+
 fn in_patches(surface: &mut Surface, params: &PatchParams) -> Solver {
-    Solver::with_patches(surface, &Material::default(), Some(params)).unwrap()
+    let mut solver = Solver::with_patches(surface, &Material::default(), Some(params)).unwrap();
+    put_on_ground(&mut solver);
+    solver
 }
 
 /// Constraints of a patch by color, sorted within a color, rest values as bits.
@@ -79,13 +86,6 @@ fn small_patches() -> PatchParams {
     }
 }
 
-fn params() -> SolverParams {
-    SolverParams {
-        ground: Some(-0.6),
-        ..SolverParams::paper()
-    }
-}
-
 #[test]
 fn a_body_in_one_patch_moves_as_without() {
     let mut plain = icosphere(2, 0.5);
@@ -97,9 +97,14 @@ fn a_body_in_one_patch_moves_as_without() {
         layer_sizes(other.bending().unwrap()),
     ];
     assert_eq!((stretch, bending), ([0, 480, 0, 0], [0, 480, 0, 0]));
+    put_on_ground(&mut solver);
     for _ in 0..60 {
-        solver.step(&mut plain, 1.0 / 60.0, &params()).unwrap();
-        other.step(&mut patched, 1.0 / 60.0, &params()).unwrap();
+        solver
+            .step(&mut plain, 1.0 / 60.0, &SolverParams::paper())
+            .unwrap();
+        other
+            .step(&mut patched, 1.0 / 60.0, &SolverParams::paper())
+            .unwrap();
     }
     assert_eq!(
         plain.positions(),
@@ -134,7 +139,9 @@ fn patches_follow_a_body_that_overflows() {
     assert_eq!(stretch, [150 - 64 + 150 - 64, 450 - 172, 0, 0]);
     assert_eq!(solver.stretch().overflow().len(), 2 * (150 - 128));
     for _ in 0..60 {
-        solver.step(&mut surface, 1.0 / 60.0, &params()).unwrap();
+        solver
+            .step(&mut surface, 1.0 / 60.0, &SolverParams::paper())
+            .unwrap();
     }
     assert!(solver.stretch_error(&surface) < 0.05);
     let delta = replace_vertex(&mut surface, VertexId(0)).unwrap();
@@ -148,11 +155,16 @@ fn another_order_converges_as_well() {
         let mut plain = build_model(model);
         let mut patched = plain.clone();
         let mut solver = Solver::new(&mut plain, &Material::default()).unwrap();
+        put_on_ground(&mut solver);
         let mut other = in_patches(&mut patched, &PatchParams::default());
         let (mut error, mut other_error) = (0.0, 0.0);
         for _ in 0..60 {
-            solver.step(&mut plain, 1.0 / 60.0, &params()).unwrap();
-            other.step(&mut patched, 1.0 / 60.0, &params()).unwrap();
+            solver
+                .step(&mut plain, 1.0 / 60.0, &SolverParams::paper())
+                .unwrap();
+            other
+                .step(&mut patched, 1.0 / 60.0, &SolverParams::paper())
+                .unwrap();
             error += solver.stretch_error(&plain) / 60.0;
             other_error += other.stretch_error(&patched) / 60.0;
         }
@@ -207,6 +219,6 @@ proptest! {
             }
         }
         prop_assert!((solver.total_mass() / mass - 1.0).abs() < 1e-6);
-        solver.step(&mut surface, 1.0 / 60.0, &params()).unwrap();
+        solver.step(&mut surface, 1.0 / 60.0, &SolverParams::paper()).unwrap();
     }
 }

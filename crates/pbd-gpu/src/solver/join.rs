@@ -24,7 +24,7 @@ impl Solver {
     ///
     /// `pieces` has the piece of every vertex slot before the undo, for slots that were in use.
     /// Pieces that have moved since the undone edit may be far apart; a step would turn that
-    /// distance into velocity. The center of mass stays, except where the ground is in the way.
+    /// distance into velocity. The center of mass stays, except where a collider is in the way.
     /// Returns false, and moves nothing, if the last edit was no undo or nothing had moved before
     /// it.
     ///

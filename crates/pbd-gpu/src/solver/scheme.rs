@@ -82,14 +82,13 @@ impl Solver {
         }
     }
 
-    /// Returns whether the ground or a collider may stop a vertex within a frame of `dt` \[s\].
+    /// Returns whether a collider may stop a vertex within a frame of `dt` \[s\].
     fn may_touch_obstacles(&mut self, surface: &Surface, dt: f32, params: &SolverParams) -> bool {
-        if params.ground.is_none() && self.constraints.colliders.records().is_empty() {
+        if self.constraints.colliders.records().is_empty() {
             return false;
         }
         let edge = self.known_mean_rest_length();
         let obstacles = Obstacles {
-            ground: params.ground,
             colliders: self.constraints.colliders.records(),
             gravity: params.gravity,
         };

@@ -3,7 +3,9 @@
 //! Every body runs the passes of its own plan. Contacts may belong to several bodies: they are
 //! projected once for the island, when all bodies have reached the contact passes.
 
+use crate::constraints::colliders::{ColliderRecord, PLANE};
 use crate::constraints::contacts::{ContactRecord, ContactSet, UNCOLORED};
+use crate::kernels::colliders::Planes;
 use crate::kernels::particle_state::{ParticleState, ParticleStates};
 use crate::kernels::volume::{Round, VolumeScratch};
 use crate::kernels::{contact_features, contacts};
@@ -34,6 +36,8 @@ pub(crate) struct StepScratch {
     bodies: Vec<SteppedBody<'static>>,
     /// Indices of the contacts of each color that may be active in the substep.
     facing: Vec<Vec<u32>>,
+    /// Planes of the bodies with contacts.
+    planes: Vec<ColliderRecord>,
 }
 
 impl Clone for StepScratch {
@@ -52,6 +56,7 @@ impl StepScratch {
             + self.carried.capacity()
             + self.before.capacity()
             + self.bodies.capacity()
+            + self.planes.capacity()
             + volumes.chain(facing).sum::<usize>()
     }
 }
@@ -81,8 +86,10 @@ pub(crate) fn execute(
         volumes,
         bodies: list,
         facing,
+        planes,
     } = scratch;
     particles.clear();
+    planes.clear();
     let mut colors = contacts.colors.iter().take(UNCOLORED);
     let mut has_shared_pass = colors.any(|contacts| is_shared(contacts.len()));
     let mut stepped: Vec<SteppedBody<'_>> = std::mem::take(list);
@@ -94,6 +101,7 @@ pub(crate) fn execute(
             ..StepStats::default()
         };
         (member.first, member.stats) = (particles.len(), stats);
+        member.meets_collider = false;
         let body = SteppedBody::new((index, member), solver, surface);
         let at_start = |&x: &[f32; 4]| ParticleState { x, d: [0.0; 4] };
         particles.extend(body.arrays.positions.iter().map(at_start));
@@ -113,6 +121,12 @@ pub(crate) fn execute(
     if !contacts.is_empty() {
         carried.resize(particles.len(), false);
         facing.resize_with(contacts.colors.len(), Vec::new);
+        let of_bodies = stepped.iter().flat_map(|body| body.arrays.colliders);
+        for plane in of_bodies.filter(|collider| collider.kind == PLANE) {
+            if !planes.contains(plane) {
+                planes.push(*plane);
+            }
+        }
     }
     let arch = Arch::new();
     let done = with_team(threads, |leader| {
@@ -133,6 +147,7 @@ pub(crate) fn execute(
             before,
             volumes: &mut volumes[..chunks],
             facing,
+            planes,
             leader,
             arch,
         })
@@ -165,6 +180,7 @@ struct Frame<'a, 'b, 'c> {
     volumes: &'a mut [VolumeScratch],
     /// Shape \[colors\].
     facing: &'a mut [Vec<u32>],
+    planes: &'a [ColliderRecord],
     leader: &'a mut Leader<'b>,
     arch: Arch,
 }
@@ -284,7 +300,11 @@ impl Frame<'_, '_, '_> {
             return;
         };
         let particles = self.particles;
-        let (ground, h) = (first.constants.ground, first.constants.h);
+        let h = first.constants.h;
+        let planes = Planes {
+            records: self.planes,
+            time: time_after(substep, first),
+        };
         first.stats.passes += 1;
         match pass {
             Pass::ContactFeatures => {
@@ -297,10 +317,10 @@ impl Frame<'_, '_, '_> {
                 let fall = first.constants.gravity_step.map(|g| g * h);
                 let (serial, colors) = split_serial(&self.contacts.colors);
                 for color in colors {
-                    change += contacts::recover_contacts(particles, color, (ground, h), fall);
+                    change += contacts::recover_contacts(particles, color, (planes, h), fall);
                 }
                 for contact in serial.chunks(1) {
-                    change += contacts::recover_contacts(particles, contact, (ground, h), fall);
+                    change += contacts::recover_contacts(particles, contact, (planes, h), fall);
                 }
                 for body in &mut *self.bodies {
                     body.member.stats.max_displacement += change;
@@ -309,15 +329,14 @@ impl Frame<'_, '_, '_> {
             Pass::ContactsBeforeVolumes if !has_volumes => first.stats.passes -= 1,
             _ => {
                 first.stats.contact_projections += self.contacts.len() as u64;
-                let at = (ground, time_after(substep, first));
                 let carried = self.carried;
                 let colors = self.contacts.colors.iter_mut().zip(&*self.facing);
                 for (color, (contacts, facing)) in colors.enumerate() {
                     if color == UNCOLORED {
-                        contacts::contacts(particles, carried, (contacts, 0), facing, at);
+                        contacts::contacts(particles, carried, (contacts, 0), facing, planes);
                     } else {
                         let contacts = (&mut **contacts, &**facing);
-                        sweep_contacts(self.leader, particles, carried, contacts, at);
+                        sweep_contacts(self.leader, particles, carried, contacts, planes);
                     }
                 }
             }

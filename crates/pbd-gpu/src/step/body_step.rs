@@ -8,7 +8,7 @@ use crate::kernels::block::dispatch;
 use crate::kernels::particle_state::ParticleStates;
 use crate::kernels::stretch::Stretch;
 use crate::kernels::volume::{self, Round, VolumeScratch};
-use crate::kernels::{attachments, colliders, ground, integrate, pins, predict};
+use crate::kernels::{attachments, colliders, integrate, pins, predict};
 use crate::parallel::Leader;
 use crate::parallel::passes::{sweep_color, sweep_patches};
 use crate::step::body::Body;
@@ -35,8 +35,8 @@ pub(super) struct BodyStep<'a, 'b, 'c> {
     /// Time of the frame at the end of the substep \[s\].
     pub(super) time: f32,
     pub(super) stats: &'a mut StepStats,
-    /// Minimum predicted height of the substep \[m\].
-    pub(super) lowest: &'a mut f32,
+    /// Set to true if a vertex was in a collider.
+    pub(super) meets_collider: &'a mut bool,
 }
 
 /// Projects a batch and returns its number of constraints; the overflow is projected serially.
@@ -113,7 +113,7 @@ impl BodyStep<'_, '_, '_> {
         } = self;
         let (particles, v) = (self.particles, &mut *body.velocities);
         match pass {
-            Pass::Predict => *self.lowest = predict::predict(particles, v, constants),
+            Pass::Predict => predict::predict(particles, v, constants),
             Pass::Pins => pins::pins(particles, body.pins, self.substeps_left),
             Pass::LongRangeAttachments => {
                 attachments::attachments(particles, body.attachments, constants.h)
@@ -172,7 +172,7 @@ impl BodyStep<'_, '_, '_> {
             Pass::Volumes => {
                 stats.volume_projections += body.volumes.pieces().len() as u64;
                 let obstacles = volume::VolumeObstacles {
-                    ground: constants.ground,
+                    gravity: constants.gravity_step,
                     colliders: body.colliders,
                     carried: self.carried,
                     time: self.time,
@@ -189,19 +189,10 @@ impl BodyStep<'_, '_, '_> {
             }
             Pass::CollidersBeforeVolumes | Pass::Colliders => {
                 let times = [constants.h, self.time];
-                colliders::colliders(particles, v, body.colliders, constants.friction, times);
+                *self.meets_collider |=
+                    colliders::colliders(particles, v, body.colliders, constants.friction, times);
             }
-            Pass::GroundBeforeVolumes => {
-                stats.ground_passes += 1;
-                let vertices = body.volumes.spokes.iter().map(|spoke| spoke.vertex);
-                let ground = (constants.ground, constants.friction);
-                ground::ground_of(vertices, particles, v, ground);
-            }
-            Pass::Ground => {
-                stats.ground_passes += 1;
-                ground::ground(particles, v, constants.ground, constants.friction);
-            }
-            Pass::Integrate => match integrate::integrate(particles, v, constants) {
+            Pass::Integrate => match integrate::integrate(particles, v, constants.h) {
                 Some(change) => {
                     stats.max_displacement += change;
                     stats.max_substep_displacement = stats.max_substep_displacement.max(change);

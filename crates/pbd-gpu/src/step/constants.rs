@@ -32,8 +32,6 @@ pub struct StepConstants {
     pub interior_springs: Projection,
     /// Coefficients of volume constraints.
     pub volume: VolumeProjection,
-    /// Height of the ground \[m\], negative infinity without one.
-    pub ground: f32,
     /// Coulomb friction coefficient.
     pub friction: f32,
     /// Displacement per iteration and axis below which the iterations of a substep end \[m\].
@@ -43,8 +41,8 @@ pub struct StepConstants {
 }
 
 impl StepConstants {
-    /// Checks the substep, which is shorter than that of the parameters in a body above a ground,
-    /// and that all coefficients are finite.
+    /// Checks the substep, which is shorter than that of the parameters in a body above a plane, and
+    /// that all coefficients are finite.
     ///
     /// # Errors
     /// [`StepError::SubstepTooShort`].

@@ -14,6 +14,7 @@ use crate::step::body::Body;
 use crate::step::constants::StepConstants;
 use crate::step::params::{Integrator, SolverParams, StepStats};
 use crate::step::prepare::{Touch, both_orders};
+use crate::step::reach::{max_motion, reaches_colliders};
 use crate::step::rounds::contact_rounds;
 use crate::step::second_order::{Orders, add};
 use incise_mesh::Surface;
@@ -22,6 +23,8 @@ use incise_mesh::Surface;
 pub type IslandBody<'a> = (&'a mut Solver, &'a mut Surface);
 
 /// The contacts of touching bodies, and the memory of their steps.
+///
+/// In contacts, the planes among the colliders of one body hold for all of them.
 #[derive(Debug, Clone, Default)]
 pub struct Island {
     contacts: ContactSet,
@@ -50,8 +53,10 @@ pub(crate) struct Member {
     /// Whether its pins are those of the current second-order substep.
     pub(crate) has_own_pins: bool,
     pub(crate) has_volumes: bool,
-    /// Minimum predicted height of the substep \[m\].
-    pub(crate) lowest: f32,
+    /// Whether a collider may reach it within the frame.
+    pub(crate) reaches_colliders: bool,
+    /// Whether a vertex was in a collider since the last execution began.
+    pub(crate) meets_collider: bool,
     pub(crate) stats: StepStats,
 }
 
@@ -149,12 +154,18 @@ impl Island {
         let touch = Touch {
             joins_pieces: self.contacts.joins_pieces(),
             contact_rounds: contact_rounds(h, press, params.gravity),
+            reaches_colliders: true,
         };
+        let reach = max_motion(bodies, dt, params.gravity);
         let params = &SolverParams {
             substeps: self.substeps,
             ..*params
         };
         for (body, (solver, surface)) in bodies.iter_mut().enumerate() {
+            let touch = Touch {
+                reaches_colliders: reaches_colliders((solver, surface), reach, dt),
+                ..touch
+            };
             let member = prepare_member(solver, surface, (dt, touch), params);
             self.members
                 .push(member.map_err(|error| IslandError { body, error })?);
@@ -283,7 +294,8 @@ fn prepare_member(
         first: 0,
         has_own_pins: false,
         has_volumes: !constraints.volumes.pieces().is_empty(),
-        lowest: f32::INFINITY,
+        reaches_colliders: touch.reaches_colliders,
+        meets_collider: false,
         stats: StepStats::default(),
     })
 }
@@ -316,7 +328,8 @@ fn run_second_order(
         let states = members.iter_mut().zip(&mut *sums);
         for ((solver, _), (member, sum)) in bodies.iter_mut().zip(states) {
             let (_, _, step) = solver.step_parts();
-            step.history.end_substep(done.is_ok(), &member.stats);
+            step.history
+                .end_substep(done.is_ok(), member.meets_collider);
             member.stats.max_displacement += member.extrapolated;
             member.stats.max_substep_displacement += member.extrapolated;
             add(sum, &member.stats);

@@ -8,8 +8,7 @@ use std::num::NonZeroUsize;
 incise_params::params! {
     /// Parameters of a frame. The y axis points up.
     ///
-    /// By default a frame has 16 substeps of one iteration with a diagonal scale of 1/2, and no
-    /// ground. On eight of the eleven scenes of `incise-bench accuracy` its error is at most 1.11
+    /// By default a frame has 16 substeps of one iteration with a diagonal scale of 1/2. On eight of the eleven scenes of `incise-bench accuracy` its error is at most 1.11
     /// times the smallest one in the same time. Soft sheets gain from [`Integrator::Bdf2`], large
     /// and stiff bodies from [`Scheme::Auto`] with two substeps of four iterations. More iterations
     /// in fewer substeps of sweeps have larger errors (Macklin et al. 2019, "Small Steps in Physics
@@ -24,15 +23,13 @@ incise_params::params! {
         /// Minimum substeps per frame, usually 1 to 20. They stiffen a body more than as many
         /// iterations.
         ///
-        /// With a ground a body takes more if it would fall by more than 1/50 of its mean edge per
-        /// iteration of a substep, as in a body of 1 cm. The ground would flatten it otherwise. So
-        /// does a body with [`Material::volume`](crate::Material::volume) that would fall by more
+        /// With a [plane](crate::Collider::Plane) a body takes more if it would fall by more than
+        /// 1/50 of its mean edge per iteration of a substep, as in a body of 1 cm. The plane would
+        /// flatten it otherwise. So does a body with [`Material::volume`](crate::Material::volume) that would fall by more
         /// than 1/500 of the thickness `2 V / A` of a piece.
         substeps: u32 = 16, range: Self::COUNTS;
         /// Gravitational acceleration.
         gravity: [f32; 3] = [0.0, -9.81, 0.0], unit: "m/s^2";
-        /// Height of the ground plane.
-        ground: Option<f32> = None, unit: "m";
         /// Displacement per iteration and axis below which a substep ends its iterations early.
         ///
         /// `None` runs all iterations without the test. Near rest the displacements shrink with
@@ -84,7 +81,7 @@ incise_params::choices! {
         /// than 4,096 vertices makes a quarter of the iterations in the frame of an edit, which
         /// prepares a matrix of the changed region.
         ///
-        /// A body that may touch another piece, the ground or a collider takes first-order sweeps
+        /// A body that may touch another piece or a collider takes first-order sweeps
         /// in that frame, with all bodies of its island. Each iteration becomes four substeps.
         /// After sweeps a body settles for up to three seconds, with implicit Euler, until its
         /// elastic energy is small. A settling substep limits the kinetic energy relative to rigid
@@ -117,7 +114,7 @@ incise_params::choices! {
         /// BDF2, the second backward difference formula, of second order.
         ///
         /// It costs one more pass over the vertices per substep. The first substep, and any after a
-        /// change of positions, velocities, masses or time step or a collision with the ground, is
+        /// change of positions, velocities, masses or time step or a collision, is
         /// one of implicit Euler.
         ///
         /// Use it for compliant bodies. It does not dissipate energy, so unconverged errors of
@@ -127,14 +124,13 @@ incise_params::choices! {
 }
 
 impl SolverParams {
-    /// Returns the parameters of the paper: one substep of ten iterations, no ground.
+    /// Returns the parameters of the paper: one substep of ten iterations.
     #[must_use]
     pub const fn paper() -> Self {
         Self {
             iterations: 10,
             substeps: 1,
             gravity: [0.0, -9.81, 0.0],
-            ground: None,
             residual: None,
             diagonal_scale: 1.0,
             attachments: false,
@@ -205,10 +201,6 @@ pub struct StepStats {
     pub contact_projections: u64,
     /// Volume constraints projected.
     pub volume_projections: u64,
-    /// Ground passes that ran.
-    pub ground_passes: u32,
-    /// Ground passes skipped because the body was predicted above the ground.
-    pub ground_passes_skipped: u32,
     /// Upper bound of the change of a coordinate in the frame, up to rounding \[m\].
     pub max_displacement: f32,
     /// Maximum change of a coordinate in a substep \[m\].

@@ -29,8 +29,8 @@ impl ConstraintKind {
 /// layer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Pass {
-    /// Applies gravity and damping to velocities, predicts displacements, and finds the lowest
-    /// vertex (Algorithm 1, lines 5 to 8).
+    /// Applies gravity and damping to velocities, and predicts displacements (Algorithm 1, lines 5
+    /// to 8).
     Predict,
     /// Moves pinned vertices towards their targets.
     Pins,
@@ -73,21 +73,12 @@ pub enum Pass {
     /// The volumes pass then counts these vertices as fixed, so that a piece keeps its volume
     /// between colliders.
     CollidersBeforeVolumes,
-    /// Lifts the vertices of pieces with a volume onto the ground before volumes.
-    ///
-    /// The reason is that of [`Self::CollidersBeforeVolumes`].
-    GroundBeforeVolumes,
     /// Restores the volumes of closed pieces.
     Volumes,
     /// Projects contacts, color by color.
     Contacts,
     /// Pushes vertices out of colliders and applies friction.
     Colliders,
-    /// Lifts vertices onto the ground and applies friction.
-    ///
-    /// Both passes over the ground are skipped in a substep in which the whole body is predicted
-    /// above it.
-    Ground,
     /// Lets active contacts separate without velocity.
     ContactRecovery,
     /// Updates velocities and positions from displacements (Algorithm 1, lines 10 to 13).
@@ -128,19 +119,12 @@ impl Pass {
             }
             Self::ContactsBeforeVolumes => stage(10),
             Self::CollidersBeforeVolumes => stage(11),
-            Self::GroundBeforeVolumes => stage(12),
-            Self::Volumes => stage(13),
-            Self::Contacts => stage(14),
-            Self::Colliders => stage(15),
-            Self::Ground => stage(16),
-            Self::ContactRecovery => stage(17),
-            Self::Integrate => stage(18),
+            Self::Volumes => stage(12),
+            Self::Contacts => stage(13),
+            Self::Colliders => stage(14),
+            Self::ContactRecovery => stage(15),
+            Self::Integrate => stage(16),
         }
-    }
-
-    /// Returns whether the pass lifts vertices onto the ground.
-    pub(crate) fn is_ground(self) -> bool {
-        matches!(self, Self::GroundBeforeVolumes | Self::Ground)
     }
 
     /// Returns the layer of a pass over constraints within patches.

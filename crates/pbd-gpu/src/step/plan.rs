@@ -21,7 +21,6 @@ pub(crate) struct PlanKey {
     pub(crate) volumes: bool,
     pub(crate) contacts: bool,
     pub(crate) colliders: bool,
-    pub(crate) ground: bool,
     pub(crate) multipliers: bool,
 }
 
@@ -198,12 +197,9 @@ impl StepPlan {
         push_if(list, before_volumes, Pass::ContactsBeforeVolumes);
         let colliders_before_volumes = key.colliders && key.volumes;
         push_if(list, colliders_before_volumes, Pass::CollidersBeforeVolumes);
-        let ground_before_volumes = key.ground && key.volumes;
-        push_if(list, ground_before_volumes, Pass::GroundBeforeVolumes);
         push_if(list, key.volumes, Pass::Volumes);
         push_if(list, key.contacts, Pass::Contacts);
         push_if(list, key.colliders, Pass::Colliders);
-        push_if(list, key.ground, Pass::Ground);
         self.epilogue.clear();
         push_if(&mut self.epilogue, key.contacts, Pass::ContactRecovery);
         self.epilogue.push(Pass::Integrate);
@@ -264,14 +260,13 @@ mod tests {
             volumes: true,
             contacts: true,
             colliders: true,
-            ground: true,
             multipliers: true,
         };
         plan.update(key, &stretch, Some(&bending), Some(&interior_springs));
         let [prologue, iteration, epilogue] = [plan.prologue(), plan.iteration(), plan.epilogue()];
         let once: Vec<Pass> = [prologue, iteration, epilogue].concat();
         assert!(once.is_sorted_by(|a, b| a < b), "{once:?}");
-        assert_eq!(iteration.len(), 1 + 5 * (64 + 1) + 7);
+        assert_eq!(iteration.len(), 1 + 5 * (64 + 1) + 5);
         let lengths = |is_back: bool| {
             let batches = iteration.iter().filter_map(move |pass| match *pass {
                 Pass::Project { kind, batch } if kind != ConstraintKind::Bending => {
@@ -307,11 +302,7 @@ mod tests {
             Some(&bending),
             Some(&interior_springs),
         );
-        for pass in [
-            Pass::ContactsBeforeVolumes,
-            Pass::CollidersBeforeVolumes,
-            Pass::GroundBeforeVolumes,
-        ] {
+        for pass in [Pass::ContactsBeforeVolumes, Pass::CollidersBeforeVolumes] {
             let is_there = plan.iteration().contains(&pass);
             assert!(!is_there, "there is no volume to restore");
         }

@@ -17,13 +17,15 @@ use crate::step::second_order::{Orders, SUBSTEP_RATIO};
 /// Number of its own lengths for which a long substep counts as recent.
 const MEMORY: f32 = 10.0;
 
-/// What the contacts of a body's island ask of a frame.
+/// Contacts and collisions of a body in a frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Touch {
     /// Whether a contact joins two pieces.
     pub(crate) joins_pieces: bool,
     /// Rounds of contacts and volumes per iteration, more where heavy pieces press thin ones.
     pub(crate) contact_rounds: u32,
+    /// Whether a collider may reach the body within the frame; true if that is not known.
+    pub(crate) reaches_colliders: bool,
 }
 
 /// Updates the plan and returns the constants of a frame.
@@ -78,8 +80,7 @@ pub(crate) fn prepare(
         pins: !particles.pins.is_empty(),
         volumes: !volumes.pieces().is_empty(),
         contacts: !contacts.is_empty(),
-        colliders: !colliders.records().is_empty(),
-        ground: params.ground.is_some(),
+        colliders: touch.reaches_colliders && !colliders.records().is_empty(),
         multipliers: constants.accumulates_lambda(),
     };
     (step.plan).update(key, stretch, bending.as_ref(), interior_springs.as_ref());
@@ -181,7 +182,6 @@ fn constants_of(
         bending: material.bending.map_or(Projection::NONE, bending),
         interior_springs: springs.map_or(Projection::NONE, interior_springs),
         volume: material.volume.map_or(VolumeProjection::NONE, volume),
-        ground: params.ground.unwrap_or(f32::NEG_INFINITY),
         friction: material.friction,
         // A single iteration cannot end early.
         residual: params.residual.filter(|_| params.iterations > 1),

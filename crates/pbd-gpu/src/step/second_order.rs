@@ -108,9 +108,9 @@ impl History {
         }
     }
 
-    /// Ends a substep. A collision with the ground is not smooth.
-    pub(crate) fn end_substep(&mut self, is_finite: bool, stats: &StepStats) {
-        self.is_valid = is_finite && stats.ground_passes == 0;
+    /// Ends a substep. A collision is not smooth.
+    pub(crate) fn end_substep(&mut self, is_finite: bool, meets_collider: bool) {
+        self.is_valid = is_finite && !meets_collider;
     }
 
     /// Ends a frame with these positions and velocities.
@@ -162,8 +162,6 @@ pub(crate) fn add(sum: &mut StepStats, stats: &StepStats) {
     sum.interior_spring_projections += stats.interior_spring_projections;
     sum.contact_projections += stats.contact_projections;
     sum.volume_projections += stats.volume_projections;
-    sum.ground_passes += stats.ground_passes;
-    sum.ground_passes_skipped += stats.ground_passes_skipped;
     sum.iterations_skipped += stats.iterations_skipped;
     sum.max_displacement += stats.max_displacement;
     sum.max_substep_displacement =

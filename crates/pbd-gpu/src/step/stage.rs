@@ -42,6 +42,9 @@ impl<'a> SteppedBody<'a> {
         if member.has_own_pins {
             arrays.pins = step.history.pins();
         }
+        if !member.reaches_colliders {
+            arrays.colliders = &[];
+        }
         #[cfg(feature = "global")]
         {
             let is_taken = step.plan.has_global_step();
@@ -142,7 +145,7 @@ impl NullaryFnOnce for Run<'_, '_, '_, '_> {
             round: stage.round,
             time: time_after(stage.substep, member),
             stats: &mut member.stats,
-            lowest: &mut member.lowest,
+            meets_collider: &mut member.meets_collider,
         };
         let is_same_layer = |a: &Pass, b: &Pass| {
             let of = |pass: &Pass| pass.patch_layer().map(|layer| (layer, pass.is_back()));
@@ -150,10 +153,6 @@ impl NullaryFnOnce for Run<'_, '_, '_, '_> {
         };
         for passes in passes[from..to].chunk_by(is_same_layer) {
             let pass = passes[0];
-            if pass.is_ground() && *step.lowest > step.constants.ground {
-                step.stats.ground_passes_skipped += 1;
-                continue;
-            }
             step.stats.passes += u32::try_from(passes.len()).unwrap_or(u32::MAX);
             match pass.patch_layer() {
                 Some(layer) => step.project_patches(layer, pass.is_back()),

@@ -1,11 +1,11 @@
 //! Number of substeps of a frame, which is higher for bodies that fall far in one.
 //!
-//! An iteration carries the weight of a body on the ground by about one edge. In equilibrium, edges
+//! An iteration carries the weight of a body on a plane by about one edge. In equilibrium, edges
 //! are therefore short by a strain that is proportional to the fall per substep, relative to an
-//! edge and divided by the iterations. Where this fall is an edge and more, the ground flattens a
+//! edge and divided by the iterations. Where this fall is an edge and more, the plane flattens a
 //! body in every substep, and constraints cannot restore its shape.
 //!
-//! In the same way ground and contacts carry the weight of a piece by a part of its volume, which
+//! In the same way planes and contacts carry the weight of a piece by a part of its volume, which
 //! is proportional to the fall relative to its thickness.
 
 use crate::step::params::SolverParams;
@@ -32,9 +32,9 @@ pub(crate) struct Lengths {
     pub(crate) thickness: f64,
 }
 
-/// Returns the number of substeps of a body.
+/// Returns the number of substeps of a body that a plane may carry.
 ///
-/// Only bodies above a ground need more than [`SolverParams::substeps`].
+/// Others take [`SolverParams::substeps`].
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -43,7 +43,7 @@ pub(crate) struct Lengths {
 pub(crate) fn substeps(dt: f32, params: &SolverParams, body: Lengths) -> u32 {
     let fall = fall(substep(dt, params), params.gravity);
     let max_fall = f64::from(params.iterations) * max_fall(body);
-    if params.ground.is_none() || fall <= max_fall || max_fall == 0.0 {
+    if fall <= max_fall || max_fall == 0.0 {
         return params.substeps;
     }
     let factor = (fall / max_fall).sqrt().ceil().min(MAX_FACTOR);
@@ -78,7 +78,6 @@ mod tests {
     fn params(iterations: u32) -> SolverParams {
         SolverParams {
             iterations,
-            ground: Some(0.0),
             ..SolverParams::paper()
         }
     }
@@ -113,18 +112,14 @@ mod tests {
     }
 
     #[test]
-    fn bodies_without_weight_ground_or_edges_take_the_given_substeps() {
+    fn bodies_without_weight_or_edges_take_the_given_substeps() {
         let falling = params(1);
         assert!(substeps(DT, &falling, shell(1e-3)) > 1);
         let weightless = SolverParams {
             gravity: [0.0; 3],
             ..falling
         };
-        let free = SolverParams {
-            ground: None,
-            ..falling
-        };
-        for (params, edge) in [(weightless, 1e-3), (free, 1e-3), (falling, 0.0)] {
+        for (params, edge) in [(weightless, 1e-3), (falling, 0.0)] {
             assert_eq!(substeps(DT, &params, shell(edge)), 1, "{params:?}");
         }
     }

@@ -1,7 +1,7 @@
 //! Mass and momentum are distributed to both halves of a cut.
 
 use incise_mesh::{Surface, TriangleId, VertexId};
-use incise_pbd_gpu::{Density, Material, Solver, SolverParams};
+use incise_pbd_gpu::{Collider, Density, Material, Solver, SolverParams};
 use incise_test_support::edits::{Addition, NEW, on_cap, replace};
 use incise_test_support::surfaces::sphere;
 
@@ -94,11 +94,11 @@ fn both_halves_get_mass_and_momentum() {
             (0.0, 0.0)
         );
     }
+    solver
+        .set_colliders(&[Collider::ground(0.0).into()])
+        .unwrap();
     for _ in 0..120 {
-        let params = SolverParams {
-            ground: Some(0.0),
-            ..SolverParams::paper()
-        };
+        let params = SolverParams::paper();
         solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
     }
 }

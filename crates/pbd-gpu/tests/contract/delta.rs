@@ -2,7 +2,7 @@
 
 use incise_mesh::{HalfEdge, Surface, TopologyDelta, TriangleId, VertexId};
 use incise_models::double_cone;
-use incise_pbd_gpu::{ConstraintError, Density, Material, Solver, SolverParams};
+use incise_pbd_gpu::{Collider, ConstraintError, Density, Material, Solver, SolverParams};
 use incise_test_support::edits::{Addition, flip, replace, replace_vertex, split};
 use incise_test_support::surfaces::{sphere, two_spheres};
 use proptest::prelude::*;
@@ -190,10 +190,10 @@ fn constraints_at_a_high_valence_overflow() {
     solver.validate(&surface).unwrap();
     assert!(solver.stretch().overflow().len() >= 36);
     assert!(!solver.bending().unwrap().overflow().is_empty());
-    let params = SolverParams {
-        ground: Some(0.0),
-        ..SolverParams::paper()
-    };
+    let params = SolverParams::paper();
+    solver
+        .set_colliders(&[Collider::ground(0.0).into()])
+        .unwrap();
     for _ in 0..120 {
         solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
     }

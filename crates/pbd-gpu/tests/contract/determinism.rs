@@ -1,6 +1,8 @@
 //! Bit-identical results on any number of threads, and no allocation while stepping.
 
-use incise_pbd_gpu::{Contact, Material, PatchParams, Solver, SolverParams, Stiffness, Volume};
+use incise_pbd_gpu::{
+    Collider, Contact, Material, PatchParams, Solver, SolverParams, Stiffness, Volume,
+};
 use incise_test_support::surfaces::sphere;
 use std::num::NonZeroUsize;
 
@@ -18,10 +20,12 @@ fn run(
         let mut surface = sphere(5, [0.0, 1.01, 0.0]);
         let mut solver = Solver::with_patches(&mut surface, material, patches).unwrap();
         let params = SolverParams {
-            ground: Some(0.0),
             threads: threads.and_then(NonZeroUsize::new),
             ..SolverParams::paper()
         };
+        solver
+            .set_colliders(&[Collider::ground(0.0).into()])
+            .unwrap();
         for _ in 0..4 {
             solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
         }
@@ -115,10 +119,12 @@ fn a_step_does_not_allocate() {
         };
         let mut solver = Solver::with_patches(&mut surface, &material, patches.as_ref()).unwrap();
         let params = SolverParams {
-            ground: Some(0.0),
             residual,
             ..SolverParams::paper()
         };
+        solver
+            .set_colliders(&[Collider::ground(0.0).into()])
+            .unwrap();
         solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
         let room = solver.capacity();
         for _ in 0..100 {

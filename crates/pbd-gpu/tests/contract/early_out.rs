@@ -1,7 +1,7 @@
 //! Early termination of iterations once a residual is reached.
 
 use incise_mesh::Surface;
-use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness};
+use incise_pbd_gpu::{Collider, Material, Solver, SolverParams, Stiffness};
 use incise_test_support::surfaces::sphere;
 
 const DT: f32 = 1.0 / 60.0;
@@ -18,7 +18,10 @@ fn rigid() -> Material {
 /// Returns a compressed sphere on the ground.
 fn squeezed(levels: u32, material: &Material) -> (Surface, Solver) {
     let mut surface = sphere(levels, [0.0, 0.8, 0.0]);
-    let solver = Solver::new(&mut surface, material).unwrap();
+    let mut solver = Solver::new(&mut surface, material).unwrap();
+    solver
+        .set_colliders(&[Collider::ground(0.0).into()])
+        .unwrap();
     for p in surface.positions_mut() {
         p[1] = p[1].max(0.0) * 1.1;
     }
@@ -29,7 +32,6 @@ fn params(iterations: u32, residual: Option<f32>) -> SolverParams {
     SolverParams {
         iterations,
         residual,
-        ground: Some(0.0),
         ..SolverParams::paper()
     }
 }
@@ -110,7 +112,6 @@ fn the_error_is_below_one_residual_per_skipped_iteration() {
         let (mut surface, mut solver) = (surface.clone(), solver.clone());
         let params = SolverParams {
             gravity: [0.0; 3],
-            ground: None,
             ..params(200, residual)
         };
         let stats = *solver.step(&mut surface, DT, &params).unwrap();

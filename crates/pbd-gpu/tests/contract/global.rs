@@ -2,7 +2,9 @@
 
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{HalfEdge, Surface, TriangleId, Vec3, VertexId, icosphere};
-use incise_pbd_gpu::{GlobalStats, Material, Scheme, Solver, SolverParams, Stiffness, Volume};
+use incise_pbd_gpu::{
+    Collider, GlobalStats, Material, Scheme, Solver, SolverParams, Stiffness, Volume,
+};
 use incise_test_support::edits::split;
 use nalgebra::Matrix3;
 use std::num::NonZeroUsize;
@@ -334,10 +336,12 @@ fn stiff_bodies_take_it_by_themselves() {
 
 /// A ball that falls on the ground from 0.2 m, and the parameters of its steps.
 fn ball_above_the_ground(material: &Material, substeps: u32) -> (Surface, Solver, SolverParams) {
-    let (mut surface, solver) = body(icosphere(2, 0.5), material);
+    let (mut surface, mut solver) = body(icosphere(2, 0.5), material);
     surface.positions_mut().iter_mut().for_each(|p| p[1] += 0.7);
+    solver
+        .set_colliders(&[Collider::ground(0.0).into()])
+        .unwrap();
     let params = SolverParams {
-        ground: Some(0.0),
         iterations: 8,
         substeps,
         ..GLOBAL

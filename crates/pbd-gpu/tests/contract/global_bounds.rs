@@ -92,9 +92,11 @@ fn a_slab_on_the_ground_stays_in_place() {
     let mut solver = Solver::new(&mut surface, &material).unwrap();
     let params = SolverParams {
         gravity: [0.0, -9.81, 0.0],
-        ground: Some(0.0),
         ..GLOBAL
     };
+    solver
+        .set_colliders(&[Collider::ground(0.0).into()])
+        .unwrap();
     let before = center(&surface);
     for _ in 0..300 {
         solver.step(&mut surface, DT, &params).unwrap();
@@ -301,16 +303,15 @@ fn one_iteration_does_not_explode() {
 }
 
 /// A stiff ball of 1 m at the origin, and its global iterations in a frame beside obstacles.
-fn iterations_beside(ground: Option<f32>, collider: Option<MovingCollider>, speed: f32) -> u32 {
+fn iterations_beside(collider: MovingCollider, speed: f32) -> u32 {
     let mut surface = icosphere(3, 0.5);
     let mut solver = Solver::new(&mut surface, &elastic(1e-6, Some(1e-4))).unwrap();
     for v in (0..surface.positions().len()).map(VertexId::from_index) {
         solver.set_velocity(v, [0.0, -speed, 0.0]).unwrap();
     }
-    solver.set_colliders(collider.as_slice()).unwrap();
+    solver.set_colliders(&[collider]).unwrap();
     let params = SolverParams {
         scheme: Scheme::Auto,
-        ground,
         ..GLOBAL
     };
     solver.step(&mut surface, DT, &params).unwrap();
@@ -320,19 +321,19 @@ fn iterations_beside(ground: Option<f32>, collider: Option<MovingCollider>, spee
 #[test]
 fn a_body_near_an_obstacle_takes_sweeps() {
     for (height, speed, expected) in [(-9.0, 0.0, 8), (-0.51, 0.0, 0), (-9.0, 300.0, 0)] {
-        let of_ground = iterations_beside(Some(height), None, speed);
+        let of_ground = iterations_beside(Collider::ground(height).into(), speed);
         assert_eq!(of_ground, expected, "ground at {height} m, {speed} m/s");
         let sphere = Collider::Sphere {
             center: [0.0, height - 1.0, 0.0],
             radius: 1.0,
         };
-        let still = iterations_beside(None, Some(sphere.into()), speed);
+        let still = iterations_beside(sphere.into(), speed);
         assert_eq!(still, expected, "sphere at {height} m, {speed} m/s");
         let rising = MovingCollider {
             start: sphere,
             velocity: [0.0, speed, 0.0],
         };
-        let met = iterations_beside(None, Some(rising), 0.0);
+        let met = iterations_beside(rising, 0.0);
         assert_eq!(
             met, expected,
             "sphere at {height} m that rises at {speed} m/s"
@@ -343,7 +344,7 @@ fn a_body_near_an_obstacle_takes_sweeps() {
         half: [3.0; 3],
         axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
     };
-    assert_eq!(iterations_beside(None, Some(around.into()), 0.0), 0);
+    assert_eq!(iterations_beside(around.into(), 0.0), 0);
 }
 
 /// Regression: the ground dented a ball, which then stood still, a tenth lower than its diameter.
@@ -353,9 +354,11 @@ fn a_ball_that_lands_stays_round() {
     let mut solver = Solver::new(&mut surface, &elastic(1e-4, Some(1e-2))).unwrap();
     let params = SolverParams {
         gravity: [0.0, -9.81, 0.0],
-        ground: Some(-1.5),
         ..GLOBAL
     };
+    solver
+        .set_colliders(&[Collider::ground(-1.5).into()])
+        .unwrap();
     for _ in 0..240 {
         solver.step(&mut surface, DT, &params).unwrap();
     }

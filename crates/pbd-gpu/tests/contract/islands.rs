@@ -2,8 +2,8 @@
 
 use incise_mesh::{Surface, VertexId};
 use incise_pbd_gpu::{
-    ConstraintError, Contact, Integrator, Island, IslandError, Material, Solver, SolverParams,
-    StepError, Volume,
+    Collider, ConstraintError, Contact, Integrator, Island, IslandError, Material, Solver,
+    SolverParams, StepError, Volume,
 };
 use incise_test_support::surfaces::sphere;
 
@@ -46,11 +46,15 @@ fn bits((surface, solver): &(Surface, Solver)) -> Vec<[u32; 4]> {
 fn bodies_without_contacts_move_as_alone() {
     for integrator in [Integrator::Euler, Integrator::Bdf2] {
         let params = SolverParams {
-            ground: Some(-1.1),
             integrator,
             ..SolverParams::default()
         };
         let (mut together, mut alone) = (balls(), balls());
+        for (_, solver) in together.0.iter_mut().chain(&mut alone.0) {
+            solver
+                .set_colliders(&[Collider::ground(-1.1).into()])
+                .unwrap();
+        }
         let mut island = Island::default();
         for _ in 0..30 {
             together.step(&mut island, &params).unwrap();
@@ -181,14 +185,16 @@ fn row() -> (Bodies, Vec<Contact>, usize) {
 
 #[test]
 fn threads_share_small_bodies_with_the_same_bits() {
-    let params = SolverParams {
-        ground: Some(-1.05),
-        ..SolverParams::default()
-    };
+    let params = SolverParams::default();
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         pool.build().unwrap().install(|| {
             let (mut bodies, contacts, slots) = row();
+            for (_, solver) in &mut bodies.0 {
+                solver
+                    .set_colliders(&[Collider::ground(-1.05).into()])
+                    .unwrap();
+            }
             let mut island = Island::default();
             island.set_contacts(&contacts, slots).unwrap();
             for _ in 0..20 {

@@ -2,16 +2,14 @@
 
 use incise_mesh::{Surface, TopologyDelta, TriangleId, VertexId};
 use incise_pbd_gpu::{
-    ConstraintError, Density, Integrator, Material, Solver, SolverParams, StepError, Stiffness,
+    Collider, ConstraintError, Density, Integrator, Material, Solver, SolverParams, StepError,
+    Stiffness,
 };
 use incise_test_support::surfaces::sphere;
 
 const FRAME: f32 = 1.0 / 60.0;
 
-const GROUND: SolverParams = SolverParams {
-    ground: Some(0.0),
-    ..SolverParams::paper()
-};
+const PARAMS: SolverParams = SolverParams::paper();
 
 /// Returns the bits of positions and velocities.
 fn bits(surface: &Surface, solver: &Solver) -> [Vec<[u32; 4]>; 2] {
@@ -23,8 +21,11 @@ fn bits(surface: &Surface, solver: &Solver) -> [Vec<[u32; 4]>; 2] {
 fn moving() -> (Surface, Solver) {
     let mut surface = sphere(2, [0.0, 1.1, 0.0]);
     let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();
+    solver
+        .set_colliders(&[Collider::ground(0.0).into()])
+        .unwrap();
     for _ in 0..10 {
-        solver.step(&mut surface, FRAME, &GROUND).unwrap();
+        solver.step(&mut surface, FRAME, &PARAMS).unwrap();
     }
     (surface, solver)
 }
@@ -81,11 +82,11 @@ fn invalid_materials_and_positions_leave_the_surface_unchanged() {
 fn a_failed_step_moves_nothing() {
     let (mut surface, mut solver) = moving();
     let with = |change: fn(&mut SolverParams)| {
-        let mut params = GROUND;
+        let mut params = PARAMS;
         change(&mut params);
         params
     };
-    let time_step = |value| (value, GROUND, StepError::BadTimeStep { value }.to_string());
+    let time_step = |value| (value, PARAMS, StepError::BadTimeStep { value }.to_string());
     let count = |text: &str, params| {
         let text = format!("{text}; it must be from 1 to 1048576");
         (FRAME, params, text)
@@ -103,8 +104,6 @@ fn a_failed_step_moves_nothing() {
         count("substeps is 4294967295", with(|p| p.substeps = u32::MAX)),
         not_finite("gravity is NaN", with(|p| p.gravity[1] = f32::NAN)),
         not_finite("gravity is inf", with(|p| p.gravity[1] = f32::INFINITY)),
-        not_finite("ground is NaN", with(|p| p.ground = Some(f32::NAN))),
-        not_finite("ground is inf", with(|p| p.ground = Some(f32::INFINITY))),
     ] {
         let before = bits(&surface, &solver);
         let result = solver.step(&mut surface, dt, &params).map(|_| ());
@@ -116,12 +115,12 @@ fn a_failed_step_moves_nothing() {
         assert!(bits(&surface, &solver) == before, "{dt} s moved something");
     }
     let before = bits(&surface, &solver);
-    assert!(solver.step(&mut surface, f32::NAN, &GROUND).is_err());
+    assert!(solver.step(&mut surface, f32::NAN, &PARAMS).is_err());
     assert!(bits(&surface, &solver) == before, "NaN moved something");
-    solver.step(&mut surface, FRAME, &GROUND).unwrap();
+    solver.step(&mut surface, FRAME, &PARAMS).unwrap();
     surface.add_vertex([0.0, 0.0, 0.0, 1.0], [0.0; 3]);
     let before = bits(&surface, &solver);
-    let refused = solver.step(&mut surface, FRAME, &GROUND).map(|_| ());
+    let refused = solver.step(&mut surface, FRAME, &PARAMS).map(|_| ());
     assert!(matches!(refused, Err(StepError::SurfaceMismatch { .. })));
     assert!(
         bits(&surface, &solver) == before,
@@ -198,7 +197,7 @@ fn invalid_pins_velocities_and_masses_change_nothing() {
     ];
     assert!(refused.iter().all(Result::is_err), "{refused:?}");
     assert!(state(&surface, &solver) == before, "one left a trace");
-    solver.step(&mut surface, FRAME, &GROUND).unwrap();
+    solver.step(&mut surface, FRAME, &PARAMS).unwrap();
 }
 
 #[test]
@@ -233,7 +232,7 @@ fn a_delta_of_another_surface_changes_nothing() {
         solver.validate(&surface).unwrap();
         assert!(bits(&surface, &solver) == before, "{delta:?} left a trace");
     }
-    solver.step(&mut surface, FRAME, &GROUND).unwrap();
+    solver.step(&mut surface, FRAME, &PARAMS).unwrap();
 }
 
 #[test]
@@ -256,7 +255,7 @@ fn bodies_of_a_few_triangles_are_simulated() {
             let mut surface = body.unwrap();
             let mut solver = Solver::new(&mut surface, &material).unwrap();
             for _ in 0..60 {
-                solver.step(&mut surface, FRAME, &GROUND).unwrap();
+                solver.step(&mut surface, FRAME, &PARAMS).unwrap();
             }
         }
     }

@@ -11,7 +11,6 @@ const WEIGHTLESS: SolverParams = SolverParams {
     iterations: 1,
     substeps: 1,
     gravity: [0.0; 3],
-    ground: None,
     residual: None,
     diagonal_scale: 1.0,
     attachments: false,

@@ -1,25 +1,28 @@
 //! Dropped, crushed and torn bodies stay finite and come to rest.
 
 use incise_mesh::{Surface, VertexId};
-use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness};
+use incise_pbd_gpu::{Collider, Material, Solver, SolverParams, Stiffness};
 use incise_test_support::surfaces::{edge_keys, sphere};
 
-const GROUND: SolverParams = SolverParams {
-    iterations: 10,
-    substeps: 1,
-    gravity: [0.0, -9.81, 0.0],
-    ground: Some(0.0),
-    ..SolverParams::paper()
-};
+const PARAMS: SolverParams = SolverParams::paper();
+
+/// Returns the solver of a body on the ground.
+fn on_ground(surface: &mut Surface, material: &Material) -> Solver {
+    let mut solver = Solver::new(surface, material).unwrap();
+    solver
+        .set_colliders(&[Collider::ground(0.0).into()])
+        .unwrap();
+    solver
+}
 
 fn drop_it(surface: &mut Surface, material: &Material, frames: u32) -> Solver {
-    let mut solver = Solver::new(surface, material).unwrap();
+    let mut solver = on_ground(surface, material);
     let limit = {
         let (mass, height) = (solver.total_mass(), f64::from(surface.bounds().max[1]));
         mass * 9.81 * height
     };
     for frame in 0..frames {
-        solver.step(surface, 1.0 / 60.0, &GROUND).unwrap();
+        solver.step(surface, 1.0 / 60.0, &PARAMS).unwrap();
         let energy = solver.kinetic_energy();
         assert!(
             energy < 1.01 * limit,
@@ -59,10 +62,10 @@ fn degenerate_shapes_stay_finite() {
             bending: Some(Stiffness::Pbd(1.0)),
             ..Material::default()
         };
-        let mut solver = Solver::new(&mut surface, &material).unwrap();
+        let mut solver = on_ground(&mut surface, &material);
         surface.positions_mut().iter_mut().for_each(squash);
         for _ in 0..300 {
-            solver.step(&mut surface, 1.0 / 60.0, &GROUND).unwrap();
+            solver.step(&mut surface, 1.0 / 60.0, &PARAMS).unwrap();
         }
         let speed = (2.0 * solver.kinetic_energy() / solver.total_mass()).sqrt();
         assert!(speed < 20.0, "{speed} m/s in case {case}");
@@ -81,11 +84,11 @@ fn any_time_step_and_stiffness_stay_bounded() {
                     ..Material::default()
                 };
                 let mut surface = sphere(2, [0.0, 1.1, 0.0]);
-                let mut solver = Solver::new(&mut surface, &material).unwrap();
+                let mut solver = on_ground(&mut surface, &material);
                 let params = SolverParams {
                     iterations,
                     substeps,
-                    ..GROUND
+                    ..PARAMS
                 };
                 let limit = solver.total_mass() * 9.81 * 2.1;
                 for _ in 0..200 {
@@ -186,7 +189,7 @@ fn jittering_time_steps_add_no_energy() {
     ] {
         for seed in 1..5_u32 {
             let mut surface = sphere(2, [0.0, 1.1, 0.0]);
-            let mut solver = Solver::new(&mut surface, &material).unwrap();
+            let mut solver = on_ground(&mut surface, &material);
             let energy = |surface: &Surface, solver: &Solver| {
                 let weight = |v: VertexId| {
                     let mass = f64::from(solver.masses()[v.index()]);
@@ -201,7 +204,7 @@ fn jittering_time_steps_add_no_energy() {
                 random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
                 let part = (random >> 8) as f32 / (1 << 24) as f32;
                 let dt = 10.0_f32.powf(part) / 600.0;
-                solver.step(&mut surface, dt, &GROUND).unwrap();
+                solver.step(&mut surface, dt, &PARAMS).unwrap();
                 let now = energy(&surface, &solver);
                 assert!(
                     now < 1.01 * at_first,
@@ -224,8 +227,7 @@ fn equal_time_steps_carry_over_no_errors() {
         let params = SolverParams {
             iterations: 200,
             gravity: [0.0; 3],
-            ground: None,
-            ..GROUND
+            ..PARAMS
         };
         for &dt in steps {
             solver.step(&mut surface, dt, &params).unwrap();

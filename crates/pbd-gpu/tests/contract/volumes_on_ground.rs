@@ -1,6 +1,6 @@
 //! Volume constraints of bodies that lie on the ground or hit it.
 
-use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness, Volume};
+use incise_pbd_gpu::{Collider, Material, Solver, SolverParams, Stiffness, Volume};
 use incise_test_support::surfaces::{scaled, sphere, two_spheres};
 
 const DT: f32 = 1.0 / 60.0;
@@ -17,10 +17,10 @@ fn a_soft_ball_on_the_ground_keeps_its_volume() {
         };
         let rest = surface.volume();
         let mut solver = Solver::new(&mut surface, &material).unwrap();
-        let params = SolverParams {
-            ground: Some(0.0),
-            ..SolverParams::default()
-        };
+        let params = SolverParams::default();
+        solver
+            .set_colliders(&[Collider::ground(0.0).into()])
+            .unwrap();
         for _ in 0..120 {
             solver.step(&mut surface, DT, &params).unwrap();
         }
@@ -43,10 +43,10 @@ fn balls_of_any_size_on_the_ground_keep_their_volume() {
         };
         let rest = surface.volume();
         let mut solver = Solver::new(&mut surface, &material).unwrap();
-        let params = SolverParams {
-            ground: Some(-0.5 * scale),
-            ..SolverParams::default()
-        };
+        let params = SolverParams::default();
+        solver
+            .set_colliders(&[Collider::ground(-0.5 * scale).into()])
+            .unwrap();
         for frame in 0..120 {
             solver.step(&mut surface, DT, &params).unwrap();
             let kept = surface.volume() / rest;
@@ -73,10 +73,10 @@ fn a_ball_keeps_its_volume_through_an_impact() {
     for v in vertices {
         solver.set_velocity(v, [0.0, -10.0, 0.0]).unwrap();
     }
-    let params = SolverParams {
-        ground: Some(-0.11),
-        ..SolverParams::default()
-    };
+    let params = SolverParams::default();
+    solver
+        .set_colliders(&[Collider::ground(-0.11).into()])
+        .unwrap();
     for frame in 0..60 {
         solver.step(&mut surface, DT, &params).unwrap();
         let kept = surface.volume() / rest;
@@ -99,10 +99,10 @@ fn chips_that_are_thinner_than_their_fall_keep_their_volume() {
         let rest = surface.volume();
         let mut solver = Solver::new(&mut surface, &material).unwrap();
         assert_eq!(solver.volumes().pieces().len(), 1);
-        let params = SolverParams {
-            ground: Some(-thickness),
-            ..SolverParams::default()
-        };
+        let params = SolverParams::default();
+        solver
+            .set_colliders(&[Collider::ground(-thickness).into()])
+            .unwrap();
         for frame in 0..120 {
             solver.step(&mut surface, DT, &params).unwrap();
             let kept = surface.volume() / rest;
@@ -131,10 +131,10 @@ fn a_leaning_body_without_friction_is_not_pushed_sideways() {
         ..Material::default()
     };
     let mut solver = Solver::new(&mut surface, &material).unwrap();
-    let params = SolverParams {
-        ground: Some(-0.5),
-        ..SolverParams::default()
-    };
+    let params = SolverParams::default();
+    solver
+        .set_colliders(&[Collider::ground(-0.5).into()])
+        .unwrap();
     for _ in 0..180 {
         solver.step(&mut surface, DT, &params).unwrap();
     }
@@ -169,11 +169,11 @@ fn thin_pieces_take_more_substeps_unless_they_are_slivers() {
             volume,
             ..Material::default()
         };
-        let params = SolverParams {
-            ground: Some(0.0),
-            ..SolverParams::default()
-        };
+        let params = SolverParams::default();
         let mut solver = Solver::new(&mut surface, &material).unwrap();
+        solver
+            .set_colliders(&[Collider::ground(0.0).into()])
+            .unwrap();
         solver.step(&mut surface, DT, &params).unwrap();
         solver.substeps()
     };

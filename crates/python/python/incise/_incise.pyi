@@ -42,7 +42,6 @@ class SceneOptions(TypedDict, total=False):
     iterations: Optional[int]
     substeps: Optional[int]
     gravity: Optional[npt.ArrayLike]
-    ground: Optional[float]
     residual: Optional[float]
     diagonal_scale: Optional[float]
     attachments: Optional[bool]

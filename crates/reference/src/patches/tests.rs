@@ -1,7 +1,7 @@
 //! Steps by patches against converged steps.
 
 use super::*;
-use crate::Stepper;
+use crate::{Plane, Stepper};
 
 /// A strip of triangles, pinned at one end, stretched and twisted.
 fn strip() -> (Model, State) {
@@ -97,7 +97,12 @@ fn every_level_has_every_free_vertex_once() {
 #[test]
 fn parts_without_an_energy_are_refused() {
     for spoil in [
-        |model: &mut Model| model.ground = Some(0.0),
+        |model: &mut Model| {
+            model.plane = Some(Plane {
+                normal: Vector3::y(),
+                offset: 0.0,
+            });
+        },
         |model: &mut Model| model.stretch.compliance = 0.0,
         |model: &mut Model| model.bending.compliance = 0.0,
     ] {

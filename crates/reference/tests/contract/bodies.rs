@@ -1,7 +1,7 @@
 //! Invariants of the reference for any body: equations, momentum, order, symmetry and rest.
 
 use crate::common::{G, gravity, run};
-use incise_reference::{Constraints, Model, State, StepReport, Stepper, edge, hinge};
+use incise_reference::{Constraints, Model, Plane, State, StepReport, Stepper, edge, hinge};
 use nalgebra::Vector3;
 
 /// A bent strip of four triangles, free to move.
@@ -211,24 +211,27 @@ fn rest_does_not_depend_on_the_time_step() {
 }
 
 #[test]
-fn the_ground_carries_the_weight_and_nothing_sinks() {
+fn a_plane_carries_the_weight_and_nothing_sinks() {
     let (mut model, mut state) = strip();
     model.gravity = gravity();
-    model.ground = Some(-0.5);
+    model.plane = Some(Plane {
+        normal: Vector3::y(),
+        offset: -0.5,
+    });
     state.v.fill(Vector3::zeros());
     let mut stepper = Stepper::new(&model).unwrap();
     let mut report = StepReport::default();
     for step in 0..400 {
         report = stepper.step(&mut state, 0.1, &[]).unwrap();
         for (v, x) in state.x.iter().enumerate() {
-            let push = report.ground[v];
+            let push = report.plane[v];
             assert!(x.y > -0.5 - 1e-10, "sunk to {} m in step {step}", x.y);
-            assert!(push >= 0.0, "the ground pulls with {push} N");
+            assert!(push >= 0.0, "the plane pulls with {push} N");
             assert!(push * (x.y + 0.5) < 1e-8, "{push} N at {} m", x.y);
         }
     }
     let weight = G * model.mass.iter().sum::<f64>();
-    let carried: f64 = report.ground.iter().sum();
+    let carried: f64 = report.plane.iter().sum();
     assert!(
         (carried / weight - 1.0).abs() < 1e-6,
         "{carried} N of {weight} N"

@@ -1,7 +1,7 @@
 //! The solver with many iterations against the reference.
 
 use incise_mesh::{Surface, VertexId, icosphere};
-use incise_pbd_gpu::{Material, Solver, SolverParams, Stiffness};
+use incise_pbd_gpu::{Collider, Material, Solver, SolverParams, Stiffness};
 use incise_reference::{Model, ReferenceError, State, Stepper};
 
 /// A sheet of `n` by `n` squares with a side of 1 m, in the plane of x and z.
@@ -167,15 +167,15 @@ fn bodies_without_an_energy_are_refused() {
         friction,
         ..Material::default()
     };
-    let params = SolverParams {
-        ground: Some(0.0),
-        ..SolverParams::paper()
-    };
-    let model = |material: Material| {
+    let ground = Collider::ground(0.0);
+    let on = |material: Material, colliders: &[Collider]| {
         let mut surface = sheet(2);
-        let solver = Solver::new(&mut surface, &material).unwrap();
-        Model::of(&solver, &surface, &params)
+        let mut solver = Solver::new(&mut surface, &material).unwrap();
+        let colliders: Vec<_> = colliders.iter().map(|&c| c.into()).collect();
+        solver.set_colliders(&colliders).unwrap();
+        Model::of(&solver, &surface, &SolverParams::paper())
     };
+    let model = |material| on(material, &[ground]);
     let k = 0.5;
     assert_eq!(
         model(material(Stiffness::Pbd(k), 0.0)),
@@ -185,5 +185,9 @@ fn bodies_without_an_energy_are_refused() {
     assert_eq!(
         model(material(Stiffness::Pbd(1.0), coefficient)),
         Err(ReferenceError::Friction { coefficient })
+    );
+    assert_eq!(
+        on(material(Stiffness::Pbd(1.0), 0.0), &[ground, ground]),
+        Err(ReferenceError::Collider)
     );
 }

@@ -12,7 +12,7 @@ use crate::body::piece_of;
 use crate::scene::Bodies;
 use incise_mesh::geometry::to_f64;
 use incise_mesh::{Aabb, MovingPoint, Surface, Vec3, VertexId, index_u32};
-use incise_pbd_gpu::MovingCollider;
+use incise_pbd_gpu::{Collider, MovingCollider};
 
 /// A piece of a body.
 #[derive(Debug, Clone, Copy)]
@@ -25,7 +25,7 @@ pub(super) struct Piece {
     grown_bounds: Aabb,
     /// Minimum and maximum velocity of its vertices along each axis [m/s].
     pub(super) velocity_bounds: [Vec3; 2],
-    /// Whether a pin, a collider or a blade face may stop it.
+    /// Whether a pin, a collider other than a plane or a blade face may stop it.
     is_held: bool,
     /// Index of the first piece of its group.
     group: u32,
@@ -50,7 +50,8 @@ pub(super) struct Piece {
 ///
 /// Pieces that may collide, directly or through others, form a group. The mean velocity of a group
 /// is subtracted, so that only motion within it enlarges the searches. A group that may hit an
-/// obstacle keeps it: the obstacle may stop it.
+/// obstacle keeps it: the obstacle may stop it. Planes do not count: slices in a box above one are
+/// crushed more if the search sees the impact.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Pieces {
     list: Vec<Piece>,
@@ -93,7 +94,10 @@ impl Pieces {
             let displacement = (SPEED_MARGIN * speed + frame.speed_gain) * frame.dt;
             let thickness = motions[piece.body as usize].thickness;
             grow(&mut piece.grown_bounds, thickness + displacement);
-            let at_collider = |c: &MovingCollider| c.bounds(dt).overlaps(&piece.grown_bounds);
+            let at_collider = |c: &MovingCollider| {
+                let is_plane = matches!(c.start, Collider::Plane { .. });
+                !is_plane && c.bounds(dt).overlaps(&piece.grown_bounds)
+            };
             let at_face = |face: &BladeFace| face.bounds().overlaps(&piece.grown_bounds);
             piece.is_held |=
                 frame.colliders.iter().any(at_collider) || frame.blade_faces.iter().any(at_face);

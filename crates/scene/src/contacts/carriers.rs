@@ -1,7 +1,7 @@
 //! [`Carriers`]: finds the piece that supports another one, as in shock propagation.
 //!
 //! Called by [`super::ContactDetection`] after the narrow phase. The level of a piece is its
-//! distance from the ground in the graph of contacts (Guendelman, Bridson and Fedkiw 2003,
+//! distance from a plane below in the graph of contacts (Guendelman, Bridson and Fedkiw 2003,
 //! "Nonconvex rigid bodies with stacking"). In a contact the piece of the lower level carries the
 //! other one. Only contacts in columns of at least three pieces are marked, and only while one of
 //! the two pieces falls. The solver handles other loads without marks, except for those of sheets:
@@ -10,12 +10,16 @@
 use super::body_rows::{BodyContact, BodyRows};
 use super::narrow_phase::Search;
 use super::overlaps::PieceId;
-use incise_mesh::VertexId;
+use incise_mesh::geometry::to_f64;
+use incise_mesh::{Vec3, VertexId};
 use incise_pbd_gpu::{Carried, ContactKind};
 use std::cmp::Ordering;
 
-/// Level of a piece without a path of contacts to the ground.
+/// Level of a piece without a path of contacts to a plane.
 const NO_LEVEL: u32 = u32::MAX;
+
+/// Minimum cosine of the slope of a plane that carries pieces.
+const MIN_SLOPE_COSINE: f64 = 0.5;
 
 /// Minimum speed of a piece that falls [speeds gained by gravity in a frame].
 const MIN_FALL: f64 = 2.0;
@@ -36,16 +40,16 @@ pub(super) struct Carriers {
 impl Carriers {
     /// Sets [`incise_pbd_gpu::Contact::carried`] of the contacts.
     pub(super) fn mark(&mut self, search: Search<'_>, rows: &mut [BodyRows]) {
-        if search.frame.gravity.y >= 0.0 {
+        let Some(down) = search.frame.gravity.try_normalize(0.0) else {
             return;
-        }
-        self.find_levels(search, rows);
+        };
+        self.find_levels(search, down, rows);
         for (i, rows) in rows.iter_mut().enumerate() {
             for found in rows.contacts_mut() {
                 let Some(pair) = search.pieces_of(i, found) else {
                     continue;
                 };
-                let speed = pair.map(|piece| -search.pieces.mean_velocity(piece).y);
+                let speed = pair.map(|piece| search.pieces.mean_velocity(piece).dot(&down));
                 if pair.iter().any(|&piece| search.is_sheet(piece)) {
                     found.contact.carried = Carried::Upper;
                 } else if f64::max(speed[0], speed[1]) > MIN_FALL * search.frame.speed_gain {
@@ -72,10 +76,10 @@ impl Carriers {
     }
 
     /// Finds the levels of all pieces, breadth first.
-    fn find_levels(&mut self, search: Search<'_>, rows: &[BodyRows]) {
+    fn find_levels(&mut self, search: Search<'_>, down: Vec3, rows: &[BodyRows]) {
         self.levels.clear();
         self.queue.clear();
-        for (piece, is_low) in (0..).zip(reaches_ground(search)) {
+        for (piece, is_low) in (0..).zip(reach_planes(search, down)) {
             self.levels.push(if is_low { 0 } else { NO_LEVEL });
             self.queue.extend(is_low.then_some(piece));
         }
@@ -139,12 +143,19 @@ impl Search<'_> {
     }
 }
 
-/// Returns for each piece whether it may touch the ground within the frame.
-fn reaches_ground(search: Search<'_>) -> impl Iterator<Item = bool> + use<'_> {
-    let ground = search.frame.ground.unwrap_or(f32::NEG_INFINITY);
+/// Returns for each piece whether it may touch a plane that faces up within the frame.
+fn reach_planes(search: Search<'_>, down: Vec3) -> impl Iterator<Item = bool> + use<'_> {
     search.pieces.iter().map(move |piece| {
-        let fall = f64::min(0.0, piece.velocity_bounds[0].y) * search.frame.dt;
         let thickness = search.motions[piece.body as usize].thickness;
-        f64::from(piece.bounds.min[1]) + fall - thickness <= f64::from(ground)
+        let corners = [piece.bounds.min, piece.bounds.max].map(to_f64);
+        (search.frame.planes()).any(|(point, normal)| {
+            let least = |[min, max]: [Vec3; 2]| {
+                let terms = min.zip_zip_map(&max, &normal, |a, b, n| f64::min(a * n, b * n));
+                terms.sum()
+            };
+            let fall = least(piece.velocity_bounds).min(0.0) * search.frame.dt;
+            normal.dot(&down) <= -MIN_SLOPE_COSINE
+                && least(corners) + fall - thickness <= normal.dot(&point)
+        })
     })
 }

@@ -1,24 +1,18 @@
-//! [`free_way`]: how far a box may move before it enters the ground or a collider.
+//! [`free_way`]: how far a box may move before it enters a collider.
 
 use super::ContactFrame;
-use incise_mesh::geometry::{to_f32, to_f64};
+use incise_mesh::geometry::to_f32;
 use incise_mesh::{Aabb, Vec3};
 use incise_pbd_gpu::Collider;
 
 /// Returns the part of a displacement on which a box enters no obstacle \[m\].
 ///
-/// The box has a minimum and a maximum corner. It slides along the ground and planes, and stops in
-/// front of others. If it is in one already, it may move, but not deeper into the ground or a
-/// plane.
+/// The box has a minimum and a maximum corner. It slides along planes, and stops in front of others.
+/// If it is in one already, it may move, but not deeper into a plane.
 pub(super) fn free_way(corners: [Vec3; 2], by: Vec3, frame: &ContactFrame<'_>) -> Vec3 {
     let [min, max] = corners;
-    let ground = frame.ground.map(|y| (Vec3::y() * f64::from(y), Vec3::y()));
-    let planes = frame.colliders.iter().filter_map(|c| match c.start {
-        Collider::Plane { point, normal } => Some((to_f64(point), to_f64(normal).normalize())),
-        _ => None,
-    });
     let mut free = by;
-    for (point, normal) in ground.into_iter().chain(planes) {
+    for (point, normal) in frame.planes() {
         let lowest = min.zip_zip_map(&max, &normal, |a, b, n| if n > 0.0 { a } else { b });
         let room = normal.dot(&(lowest - point)).max(0.0);
         let sunk = -room - normal.dot(&free);

@@ -161,7 +161,7 @@ impl Overlaps {
     /// number.
     ///
     /// Those of several pairs together are at most as long as the longest one, and no piece enters
-    /// the ground or a collider.
+    /// a collider.
     pub(super) fn find_moves(&mut self, bodies: &Bodies, frame: &ContactFrame<'_>) -> usize {
         let mut moves = std::mem::take(&mut self.moves);
         moves.clear();

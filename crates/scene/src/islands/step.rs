@@ -168,7 +168,6 @@ impl Scene {
         };
         let done = *body.solver().stats();
         self.stats.iterations_skipped += done.iterations_skipped;
-        self.stats.ground_passes_skipped += done.ground_passes_skipped;
         #[cfg(feature = "global")]
         {
             let global = body.solver().global_stats();

@@ -1,7 +1,7 @@
 //! A frame of touching bodies and their render buffers allocates nothing once warm.
 
 use incise_mesh::{RenderBuffers, RenderParams, Surface, cube_sphere};
-use incise_pbd_gpu::SolverParams;
+use incise_pbd_gpu::{Collider, SolverParams};
 use incise_scene::{ContactParams, Scene, SceneParams};
 use incise_test_support::materials::firm;
 use incise_test_support::process::in_own_process;
@@ -43,7 +43,6 @@ fn touching_bodies_are_stepped_without_allocation() {
 fn step_touching_bodies() {
     let mut scene = Scene::new(SceneParams {
         solver: SolverParams {
-            ground: Some(0.0),
             threads: NonZeroUsize::new(1),
             ..SolverParams::default()
         },
@@ -51,6 +50,7 @@ fn step_touching_bodies() {
         sleep: None,
         ..SceneParams::default()
     });
+    scene.colliders.push(Collider::ground(0.0));
     let mut buffers = Vec::new();
     for i in 0_u8..4 {
         let body = block(0.21 + 0.42 * f32::from(i));

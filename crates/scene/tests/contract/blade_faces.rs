@@ -12,7 +12,6 @@ fn scene(gravity: [f32; 3]) -> Scene {
     Scene::new(SceneParams {
         solver: SolverParams {
             gravity,
-            ground: None,
             ..SolverParams::default()
         },
         contacts: Some(ContactParams::default()),

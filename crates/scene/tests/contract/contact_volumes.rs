@@ -4,7 +4,7 @@ use crate::contacts::{above, merged, with_springs};
 use incise_cut::Sweep;
 use incise_mesh::{Surface, TriangleId, VertexId, cube_sphere, icosphere};
 use incise_models::{Model, build_model};
-use incise_pbd_gpu::{Collider, Material, SolverParams};
+use incise_pbd_gpu::{Collider, Material};
 use incise_scene::{BodyId, ContactParams, Scene, SceneParams, SleepParams};
 use incise_test_support::materials::firm;
 use incise_test_support::surfaces::scaled;
@@ -284,12 +284,9 @@ fn a_ball_between_tilted_plates_keeps_its_volume() {
 fn a_pressed_block_comes_to_rest() {
     let (half, top) = (0.25, [0.7_f32, 0.44]);
     let mut scene = Scene::new(SceneParams {
-        solver: SolverParams {
-            ground: Some(0.0),
-            ..SolverParams::default()
-        },
         ..SceneParams::default()
     });
+    scene.colliders.push(Collider::ground(0.0));
     let mut block = cube_sphere(4, 1.0);
     for p in block.rest_positions_mut() {
         let most = p.iter().fold(0.0_f32, |a, c| a.max(c.abs()));
@@ -301,10 +298,11 @@ fn a_pressed_block_comes_to_rest() {
     let whole = scene.body(id).unwrap().surface().volume();
     for frame in 0..300_u16 {
         let height = (top[0] - 0.2 * f32::from(frame) / 60.0).max(top[1]);
-        scene.colliders = vec![Collider::Plane {
+        scene.colliders.truncate(1);
+        scene.colliders.push(Collider::Plane {
             point: [0.0, height, 0.0],
             normal: [0.0, -1.0, 0.0],
-        }];
+        });
         scene.step().unwrap();
     }
     assert!(scene.is_asleep(id).unwrap(), "it is awake after 5 s");

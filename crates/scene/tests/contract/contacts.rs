@@ -8,6 +8,7 @@ mod obstacles;
 mod overlaps;
 mod pieces;
 mod sheets;
+mod turned;
 
 use incise_mesh::{Bvh, Surface, TriangleId, VertexId, cube_sphere};
 use incise_pbd_gpu::{
@@ -15,12 +16,12 @@ use incise_pbd_gpu::{
 };
 use incise_scene::{Body, BodyId, ContactParams, Scene, SceneParams, SleepParams};
 use incise_test_support::materials::firm;
+use turned::Turn;
 
-pub(crate) fn params(gravity: [f32; 3], ground: Option<f32>) -> SceneParams {
+pub(crate) fn params(gravity: [f32; 3]) -> SceneParams {
     SceneParams {
         solver: SolverParams {
             gravity,
-            ground,
             ..SolverParams::default()
         },
         contacts: Some(ContactParams::default()),
@@ -31,14 +32,12 @@ pub(crate) fn params(gravity: [f32; 3], ground: Option<f32>) -> SceneParams {
 
 /// Returns an empty scene with contacts and a ground at a height \[m\].
 pub(crate) fn above(ground: f32) -> Scene {
-    Scene::new(SceneParams {
-        solver: SolverParams {
-            ground: Some(ground),
-            ..SolverParams::default()
-        },
+    let mut scene = Scene::new(SceneParams {
         contacts: Some(ContactParams::default()),
         ..SceneParams::default()
-    })
+    });
+    scene.colliders.push(Collider::ground(ground));
+    scene
 }
 
 /// Returns a material with a volume and interior springs.

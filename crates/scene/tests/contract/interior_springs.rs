@@ -3,7 +3,9 @@
 use incise_cut::CutOutcome;
 use incise_mesh::{Surface, VertexId, cube_sphere};
 use incise_models::{Model, build_model};
-use incise_pbd_gpu::{InteriorSprings, Material, Solver, SolverParams, Stiffness, Volume};
+use incise_pbd_gpu::{
+    Collider, InteriorSprings, Material, Solver, SolverParams, Stiffness, Volume,
+};
 use incise_scene::{BodyId, Scene, SceneParams};
 
 fn with_springs(density: f32) -> Material {
@@ -139,13 +141,13 @@ fn no_spring_connects_the_halves() {
 fn kept_volume(model: Model, material: &Material) -> [f64; 2] {
     let surface = build_model(model);
     let params = SceneParams {
-        solver: SolverParams {
-            ground: Some(surface.bounds().min[1]),
-            ..SolverParams::default()
-        },
+        solver: SolverParams::default(),
         ..weightless()
     };
     let mut scene = Scene::new(params);
+    scene
+        .colliders
+        .push(Collider::ground(surface.bounds().min[1]));
     let id = scene.add_body(surface, material).unwrap();
     let blade = scene.add_blade([[0.0, -9.0, -9.0], [0.0, 9.0, -9.0]]);
     let mut kept = [f64::INFINITY; 2];

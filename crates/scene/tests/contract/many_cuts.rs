@@ -2,7 +2,7 @@
 
 use incise_mesh::geometry::{area_vector, round_to_f32};
 use incise_mesh::{Aabb, Surface, cube_sphere};
-use incise_pbd_gpu::{InteriorSprings, Material, SolverParams, Stiffness, Volume};
+use incise_pbd_gpu::{Collider, InteriorSprings, Material, SolverParams, Stiffness, Volume};
 use incise_scene::{BladeId, Body, BodyId, ContactParams, Scene, SceneParams};
 use incise_test_support::random::Random;
 
@@ -10,7 +10,6 @@ fn scene() -> (Scene, BodyId, BladeId) {
     let mut scene = Scene::new(SceneParams {
         solver: SolverParams {
             substeps: 2,
-            ground: Some(-1.5),
             ..SolverParams::default()
         },
         contacts: Some(ContactParams {
@@ -19,6 +18,7 @@ fn scene() -> (Scene, BodyId, BladeId) {
         }),
         ..SceneParams::default()
     });
+    scene.colliders.push(Collider::ground(-1.5));
     let material = Material {
         volume: Some(Volume::default()),
         interior_springs: Some(InteriorSprings {

@@ -2,9 +2,9 @@
 
 use incise_cut::Sweep;
 use incise_mesh::{Surface, Vec3, icosphere};
-use incise_pbd_gpu::{Material, Stiffness};
+use incise_pbd_gpu::{Collider, Material, Stiffness};
 use incise_scene::{BladeId, BodyId, Scene, SceneParams, SleepParams};
-use incise_test_support::params::GROUND;
+use incise_test_support::params::TEN_ITERATIONS;
 
 /// Longest time until a body sleeps \[frames\].
 const MAX_FRAMES: u32 = 3600;
@@ -27,9 +27,10 @@ fn shells() -> [Material; 3] {
 fn lie(material: &Material) -> (Scene, BodyId, BladeId) {
     let mut scene = Scene::new(SceneParams {
         dt: 1.0 / 60.0,
-        solver: GROUND,
+        solver: TEN_ITERATIONS,
         ..SceneParams::default()
     });
+    scene.colliders.push(Collider::ground(0.0));
     let mut ball = icosphere(0, 0.5);
     ball.rest_positions_mut()
         .iter_mut()

@@ -156,7 +156,7 @@ impl Session {
         }
         if !self.has_walls && self.is_blade_inside()? {
             self.has_walls = true;
-            self.scene.params.contacts = self.settings.scene(self.ground, true).contacts;
+            self.scene.params.contacts = self.settings.scene(true).contacts;
         }
         Ok(())
     }

@@ -15,7 +15,8 @@ impl Session {
             let (solver, surface) = self.scene.edit(self.body)?.solver_mut();
             solver.set_material(surface, &settings.material)?;
         }
-        let params = settings.scene(self.ground, self.has_walls);
+        self.scene.colliders = settings.colliders(self.ground);
+        let params = settings.scene(self.has_walls);
         if params != self.scene.params {
             self.scene.params = params;
             self.scene.wake(self.body)?;
@@ -56,7 +57,7 @@ impl Session {
         self.last_cut_stats = None;
         self.status_message = None;
         self.has_walls = false;
-        self.scene.params = self.settings.scene(self.ground, false);
+        self.scene.params = self.settings.scene(false);
         self.replace(body);
         Ok(())
     }

@@ -168,7 +168,7 @@ fn body(ui: &mut Ui, settings: &mut Settings) {
 fn motion(ui: &mut Ui, settings: &mut Settings) {
     ui.checkbox(&mut settings.ground, "ground");
     // The window plays frames at their rate.
-    let own = ["dt", "cut", "solver.ground"];
+    let own = ["dt", "cut"];
     parameters::show(ui, &mut settings.scene, "", &own);
 }
 

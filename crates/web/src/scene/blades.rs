@@ -1,11 +1,14 @@
-//! Blades of a [`Scene`].
+//! Blades and colliders of a [`Scene`].
 
 use super::{Scene, index};
-use crate::arguments::{EDGE, copy_f32, edge, index_of};
+use crate::arguments::{EDGE, copy_f32, edge, index_of, value};
+use crate::colliders::colliders;
 use crate::error::WebError;
+use incise::params::Value;
 use incise::prelude::{BladeId, BladeMode};
 use incise::scene::Blade;
 use js_sys::Float32Array;
+use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
 
 #[wasm_bindgen]
@@ -60,6 +63,19 @@ impl Scene {
         };
         Ok((self.simulation).set_blade_mode(self.blade_of(blade)?, mode)?)
     }
+
+    /// Replaces the rigid obstacles, a list of objects with one shape each.
+    ///
+    /// They are `{ plane: { point, normal } }`, `{ sphere: { center, radius } }`,
+    /// `{ capsule: { ends, radius } }` and `{ box: { center, half, axes } }`, where `axes` may be
+    /// left out. A list of the same length moves them within the next frame.
+    ///
+    /// # Errors
+    /// Throws for other objects and for shapes that are not solid; nothing is changed then.
+    #[wasm_bindgen(js_name = setColliders)]
+    pub fn set_colliders_of_objects(&mut self, colliders: &JsValue) -> Result<(), WebError> {
+        self.set_colliders(&value(colliders)?)
+    }
 }
 
 impl Scene {
@@ -72,6 +88,15 @@ impl Scene {
         Blade::check_edge(&edge)?;
         self.simulation.add_blade(edge);
         Ok(index(self.simulation.blades().count() - 1))
+    }
+
+    /// Replaces the rigid obstacles, see [`Scene::set_colliders_of_objects`].
+    ///
+    /// # Errors
+    /// [`WebError`], as there.
+    pub fn set_colliders(&mut self, values: &Value) -> Result<(), WebError> {
+        self.simulation.colliders = colliders(values)?;
+        Ok(())
     }
 
     /// Moves a blade, see [`Scene::move_blade_to_array`].

@@ -10,8 +10,7 @@ use wasm_bindgen::prelude::wasm_bindgen;
 
 #[wasm_bindgen]
 impl Scene {
-    /// Sets parameters by name, such as `{ substeps: 8, ground: -0.5, contacts: { thickness: 0.2 }
-    /// }`.
+    /// Sets parameters by name, such as `{ substeps: 8, contacts: { thickness: 0.2 } }`.
     ///
     /// `docs/parameters.md` lists them. A name may leave out leading parts: `"solver.substeps"` is
     /// `substeps`. Optional parameters are off with `null`, those with parameters of their own also

@@ -109,7 +109,7 @@ fn unknown_numbers_and_hostile_values_are_errors() {
     assert!(scene.move_blade(blade, &nan).is_err() && scene.teleport_blade(blade, &nan).is_err());
     assert!(scene.add_blade(&nan).is_err());
     for bad in [f64::NAN, f64::INFINITY] {
-        for name in ["dt", "ground", "substeps"] {
+        for name in ["dt", "residual", "substeps"] {
             assert!(
                 scene.set(&value(name, Value::Number(bad))).is_err(),
                 "{name}"
@@ -126,7 +126,7 @@ fn unknown_numbers_and_hostile_values_are_errors() {
         }
     }
     assert_eq!(scene.get("substeps").unwrap(), Value::Count(16));
-    assert_eq!(scene.get("ground").unwrap(), Value::None);
+    assert_eq!(scene.get("residual").unwrap(), Value::None);
     scene.set(&value("substeps", Value::Count(1))).unwrap();
     scene.step().unwrap();
     assert!(scene.failed_cuts().is_empty());
@@ -139,12 +139,12 @@ fn unknown_numbers_and_hostile_values_are_errors() {
 fn parameters_are_read_back() {
     let mut scene = Scene::new();
     let values = [
-        ("ground".to_owned(), Value::Number(-0.5)),
+        ("residual".to_owned(), Value::Number(0.5)),
         ("level".to_owned(), Value::from("2x-finer")),
         ("threads".to_owned(), Value::Count(4)),
     ];
     scene.set(&Value::Map(values.to_vec())).unwrap();
-    assert_eq!(scene.get("ground").unwrap(), Value::Number(-0.5));
+    assert_eq!(scene.get("residual").unwrap(), Value::Number(0.5));
     assert_eq!(scene.get("level").unwrap(), Value::from("2x-finer"));
     assert_eq!(scene.get("threads").unwrap(), Value::Count(1));
     let before = scene.get("caps").unwrap();

@@ -7,6 +7,7 @@ use incise_pbd_gpu::{Context, GpuBackend, Material, Solver, SolverParams};
 use incise_render::{
     BodyView, Camera, Color, DrawList, Image, Offscreen, Renderer, View, Wireframe,
 };
+use incise_test_support::params::set_ground;
 
 /// Images from the solver's buffer equal those from positions that were read back.
 ///
@@ -14,13 +15,11 @@ use incise_render::{
 pub(crate) fn drawn_in_place(context: Context) {
     let renderer = Renderer::offscreen(context.device(), context.queue()).expect("a renderer");
     let mut gpu = GpuBackend::from_context(context).expect("a backend");
-    let params = SolverParams {
-        ground: Some(-0.5),
-        ..SolverParams::default()
-    };
+    let params = SolverParams::default();
     let mut bodies = [Model::Sphere80, Model::Bunny].map(|model| {
         let mut surface = build_model(model);
         let mut solver = Solver::new(&mut surface, &Material::default()).expect("a solver");
+        set_ground(&mut solver, -0.5);
         let body = gpu.add(&surface, &mut solver).expect("room");
         (surface, solver, body)
     });

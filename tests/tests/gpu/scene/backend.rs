@@ -1,6 +1,6 @@
 //! Choice of the backend per body, and the fallback to the CPU when the GPU is lost.
 
-use super::common::{Bits, add, bits, cpu_copy_bits, model, on, params, request};
+use super::common::{Bits, above_ground, add, bits, cpu_copy_bits, model, on, params, request};
 use incise_mesh::{Bvh, Vec3, VertexId};
 use incise_models::Model;
 use incise_pbd_gpu::{Context, GpuError, Integrator, Material, Schedule};
@@ -23,7 +23,7 @@ pub(crate) fn choice(context: Context) {
 
 /// Returns the bits of a CPU body at the start and after every frame.
 fn on_cpu(frames: usize) -> Vec<Bits> {
-    let mut scene = Scene::new(params());
+    let mut scene = above_ground(Scene::new(params()));
     let id = add(&mut scene, Model::Sphere80, 0.0);
     let mut out = vec![cpu_copy_bits(&scene, id)];
     for _ in 0..frames {
@@ -43,7 +43,8 @@ pub(crate) fn lost_after_a_checkpoint(context: Context) {
         checkpoint: 10,
         ..params()
     };
-    let mut scene = Scene::with_context(params, &request(BackendChoice::Auto), context).unwrap();
+    let mut scene =
+        above_ground(Scene::with_context(params, &request(BackendChoice::Auto), context).unwrap());
     // Its kernels compile faster than that of whole bodies.
     scene.force_schedule(Some(Schedule::Patches));
     let id = add(&mut scene, Model::Sphere80, 0.0);
@@ -78,7 +79,9 @@ pub(crate) fn lost_after_a_checkpoint(context: Context) {
 }
 
 fn lost_in_a_cut(context: Context) {
-    let mut scene = Scene::with_context(params(), &request(BackendChoice::Auto), context).unwrap();
+    let mut scene = above_ground(
+        Scene::with_context(params(), &request(BackendChoice::Auto), context).unwrap(),
+    );
     let ids = [0.0, 2.0].map(|x| add(&mut scene, Model::Sphere768, x));
     let blade = scene.add_blade([[-2.0, 0.06, -2.0], [-2.0, 0.1, 2.0]]);
     scene.step().unwrap();
@@ -102,8 +105,8 @@ fn nested(context: Context) {
     let mut params = params();
     params.contacts = Some(ContactParams::default());
     params.solver.gravity = [0.0; 3];
-    params.solver.ground = None;
     let mut scene = on(context, params);
+    scene.colliders.clear();
     let scaled = |scale: f32| {
         let mut ball = model(Model::Sphere80, 0.0);
         for p in ball.positions_mut() {
@@ -170,7 +173,7 @@ fn no_software() {
         allow_software: true,
         ..BackendRequest::default()
     };
-    let mut scene = Scene::with_backend(params(), &request).unwrap();
+    let mut scene = above_ground(Scene::with_backend(params(), &request).unwrap());
     let id = add(&mut scene, Model::Sphere80, 0.0);
     assert!(scene.step().unwrap().fell_back);
     assert!(cpu_copy_bits(&scene, id) == on_cpu(1)[1]);
@@ -190,7 +193,7 @@ fn large_only(context: Context) {
         min_gpu_constraints: Some(1000),
         ..request(BackendChoice::Auto)
     };
-    let mut scene = Scene::with_context(params(), &request, context).unwrap();
+    let mut scene = above_ground(Scene::with_context(params(), &request, context).unwrap());
     let small = add(&mut scene, Model::Sphere80, 0.0);
     let large = add(&mut scene, Model::Sphere768, 2.0);
     let report = scene.backend_report();
@@ -209,7 +212,9 @@ fn large_only(context: Context) {
 }
 
 fn wrong(context: Context) {
-    let mut scene = Scene::with_context(params(), &request(BackendChoice::Auto), context).unwrap();
+    let mut scene = above_ground(
+        Scene::with_context(params(), &request(BackendChoice::Auto), context).unwrap(),
+    );
     let id = add(&mut scene, Model::Sphere80, 0.0);
     scene.step().unwrap();
     scene.params.dt = 0.0;

@@ -2,14 +2,13 @@
 
 use incise_mesh::Surface;
 use incise_models::{Model, build_model};
-use incise_pbd_gpu::{Context, Material, SolverParams};
+use incise_pbd_gpu::{Collider, Context, Material, SolverParams};
 use incise_scene::{BackendChoice, BackendRequest, BodyId, Scene, SceneParams};
 
 pub(crate) fn params() -> SceneParams {
     SceneParams {
         solver: SolverParams {
             iterations: 4,
-            ground: Some(-1.2),
             ..SolverParams::paper()
         },
         ..SceneParams::default()
@@ -25,8 +24,15 @@ pub(crate) fn request(choice: BackendChoice) -> BackendRequest {
     }
 }
 
+/// Adds a horizontal plane at -1.2 m to a scene.
+pub(crate) fn above_ground(mut scene: Scene) -> Scene {
+    scene.colliders.push(Collider::ground(-1.2));
+    scene
+}
+
 pub(crate) fn on(context: Context, params: SceneParams) -> Scene {
-    Scene::with_context(params, &request(BackendChoice::Gpu), context).unwrap()
+    let scene = Scene::with_context(params, &request(BackendChoice::Gpu), context);
+    above_ground(scene.unwrap())
 }
 
 /// Returns a model moved along the x axis.

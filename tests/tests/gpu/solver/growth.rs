@@ -6,7 +6,7 @@ use incise_test_support::cpu_gpu_pair::{CpuGpuPair, SCHEDULES, solver_for, with_
 use incise_test_support::edits::split;
 use incise_test_support::gpu::Needs;
 use incise_test_support::materials::elastic_shell;
-use incise_test_support::params::{GROUND, HANGING};
+use incise_test_support::params::{TEN_ITERATIONS, set_ground};
 use incise_tests::stress::{Body, FRAME, ball, largest_offset};
 
 /// Largest distance from the CPU's positions \[m\].
@@ -89,9 +89,9 @@ fn every_schedule(gpu: &mut GpuBackend) {
         gpu.force_schedule(Some(schedule));
         let body = gpu.add(&there.surface, &mut there.solver).expect("room");
         for _ in 0..30 {
-            let stepped = gpu.step([(body, &mut there.solver)], FRAME, &HANGING);
+            let stepped = gpu.step([(body, &mut there.solver)], FRAME, &TEN_ITERATIONS);
             stepped.expect("a step");
-            (here.solver.step(&mut here.surface, FRAME, &HANGING)).expect("a step");
+            (here.solver.step(&mut here.surface, FRAME, &TEN_ITERATIONS)).expect("a step");
         }
         let read = gpu.read(body, &mut there.surface, &mut there.solver);
         read.expect("a state");
@@ -110,6 +110,7 @@ fn outgrow(context: Context, patches: Option<PatchParams>) {
     let mut gpu = GpuBackend::from_context(context).expect("a device");
     // Its vertices with their slack just fit the first buffers.
     let mut there = turning(ball(4, 0.6), &elastic_shell(1e-4, 1e-1), patches);
+    set_ground(&mut there.solver, 0.0);
     gpu.force_schedule(Some(Schedule::Patches));
     let body = gpu.add(&there.surface, &mut there.solver).expect("room");
     let first = gpu.memory().reserved;
@@ -124,11 +125,11 @@ fn outgrow(context: Context, patches: Option<PatchParams>) {
             .expect("room");
         // Starts from the state of the GPU, since rounding grows at hinges near half a turn.
         let mut here = there.clone();
-        let stepped = gpu.step([(body, &mut there.solver)], FRAME, &GROUND);
+        let stepped = gpu.step([(body, &mut there.solver)], FRAME, &TEN_ITERATIONS);
         stepped.expect("a step");
         let read = gpu.read(body, &mut there.surface, &mut there.solver);
         read.expect("a state");
-        (here.solver.step(&mut here.surface, FRAME, &GROUND)).expect("a step");
+        (here.solver.step(&mut here.surface, FRAME, &TEN_ITERATIONS)).expect("a step");
         let offset = largest_offset(here.surface.positions(), there.surface.positions());
         assert!(offset <= MAX_OFFSET, "{offset} m after an edit");
         if has_grown {

@@ -4,6 +4,7 @@ use incise_mesh::{Surface, VertexId};
 use incise_pbd_gpu::{Context, GpuBackend, Material, Schedule, Solver, SolverParams, Stiffness};
 use incise_test_support::cpu_gpu_pair::{DT, SCHEDULES, solver_for, with_most_features};
 use incise_test_support::gpu::Needs;
+use incise_test_support::params::set_ground;
 use incise_test_support::surfaces::sphere;
 use std::collections::BTreeSet;
 
@@ -83,27 +84,25 @@ fn comes(mut gpu: GpuBackend) {
     solver.pin(&mut surface, VertexId(0)).expect("a vertex");
     gpu.update(body, &surface, &mut solver).expect("it follows");
     assert_eq!(step(&mut gpu, &mut solver, &params), (vec!["pins"], 1));
-    let grounded = SolverParams {
-        ground: Some(-1.5),
-        ..params
-    };
-    assert_eq!(step(&mut gpu, &mut solver, &grounded), (vec!["ground"], 1));
+    set_ground(&mut solver, -1.5);
+    let colliders = vec!["colliders"];
+    assert_eq!(step(&mut gpu, &mut solver, &params), (colliders, 1));
     solver
         .set_stretch(Stiffness::Compliance(1e-6))
         .expect("in range");
     let multipliers = vec!["reset_multipliers"];
-    assert_eq!(step(&mut gpu, &mut solver, &grounded), (multipliers, 1));
+    assert_eq!(step(&mut gpu, &mut solver, &params), (multipliers, 1));
     gpu.prefetch_bounds(body).expect("it is there");
     let boxes = vec!["bounds", "reset_bounds"];
-    assert_eq!(step(&mut gpu, &mut solver, &grounded), (boxes, 2));
+    assert_eq!(step(&mut gpu, &mut solver, &params), (boxes, 2));
     gpu.bounds(body).expect("a box");
-    assert_eq!(step(&mut gpu, &mut solver, &grounded), (Vec::new(), 0));
+    assert_eq!(step(&mut gpu, &mut solver, &params), (Vec::new(), 0));
     let mut other = sphere(5, [3.0, 0.0, 0.0]);
     let mut bending = undivided(&mut other, &Material::default());
     let another = gpu.add(&other, &mut bending).expect("room");
     let before = kernels(&gpu);
     let both = [(body, &mut solver), (another, &mut bending)];
-    gpu.step(both, DT, &grounded).expect("a step");
+    gpu.step(both, DT, &params).expect("a step");
     let new: Vec<&str> = kernels(&gpu).difference(&before).copied().collect();
     assert!(new.contains(&"bending"), "{new:?}");
 }

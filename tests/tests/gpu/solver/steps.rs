@@ -4,6 +4,7 @@ use incise_mesh::{Surface, VertexId};
 use incise_models::{Model, build_model};
 use incise_pbd_gpu::{Context, GpuBackend, Material, Schedule, Solver, SolverParams, Volume};
 use incise_test_support::cpu_gpu_pair::{DT, solver_for, with_most_features};
+use incise_test_support::params::set_ground;
 use incise_test_support::surfaces::scaled;
 
 /// A body and its solver with a few pins on the move.
@@ -69,10 +70,11 @@ fn small_body(factors: [f32; 3], pressure: f32, schedule: Schedule) -> (Surface,
 fn equal_in_more_substeps(context: Context, factors: [f32; 3], pressure: f32, schedule: Schedule) {
     let (mut on_cpu, mut cpu) = small_body(factors, pressure, schedule);
     let (mut on_gpu, mut solver) = small_body(factors, pressure, schedule);
-    let params = SolverParams {
-        ground: Some(on_cpu.bounds().min[1] - 0.005),
-        ..SolverParams::paper()
-    };
+    let height = on_cpu.bounds().min[1] - 0.005;
+    for solver in [&mut cpu, &mut solver] {
+        set_ground(solver, height);
+    }
+    let params = SolverParams::paper();
     let mut gpu = GpuBackend::from_context(context).expect("a device");
     gpu.force_schedule(Some(schedule));
     let body = gpu.add(&on_gpu, &mut solver).expect("room");

@@ -39,6 +39,14 @@ fn first_axes() -> [Numbers<3>; 2] {
 }
 
 impl ColliderFile {
+    /// Returns the half-space below a height.
+    pub(in crate::simulate) fn ground(height: f64) -> Self {
+        Self::Plane {
+            point: Numbers([0.0, height, 0.0]),
+            normal: Numbers([0.0, 1.0, 0.0]),
+        }
+    }
+
     /// Returns the collider relative to an origin; it may be invalid.
     fn collider(&self, origin: Vec3) -> Collider {
         let place = |Numbers(p): Numbers<3>| to_f32(Vec3::from(p) - origin);

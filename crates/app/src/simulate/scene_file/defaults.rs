@@ -25,7 +25,6 @@ impl SceneFile {
         Self {
             seconds,
             dt: dt(),
-            ground: None,
             repair: yes(),
             backend: Backend::default(),
             adapter: None,

@@ -30,10 +30,9 @@ public sealed class BladeSample : MonoBehaviour
     {
         SceneParams parameters = SceneParams.Default;
         parameters.Dt = Time.fixedDeltaTime;
-        parameters.HasGround = 1;
-        parameters.Ground = ground;
         parameters.Contacts = 1;
         scene = new Scene(parameters);
+        scene.SetColliders(new[] { Collider.Ground(ground) });
         using (Surface surface = System.IO.File.Exists(model)
             ? Surface.Read(model) : Surface.Model(model))
         {

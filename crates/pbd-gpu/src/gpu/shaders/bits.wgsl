@@ -14,10 +14,3 @@ fn ordered(value: f32) -> u32 {
     let bits = bitcast<u32>(value);
     return bits ^ select(0x80000000u, 0xffffffffu, (bits & 0x80000000u) != 0u);
 }
-
-// Returns true if a height, as ordered bits, is above the ground. Zeros of both signs are equal.
-fn is_above_ground(lowest: u32) -> bool {
-    let bits = bitcast<u32>(frame.ground);
-    let ground = select(ordered(frame.ground), 0x80000000u, bits == 0x80000000u);
-    return lowest > ground;
-}

@@ -61,7 +61,7 @@ const INTEGERS: [(&str, u32); 35] = [
 ];
 
 /// Constants of kernels.
-pub(super) const FLOATS: [(&str, f32); 27] = [
+pub(super) const FLOATS: [(&str, f32); 28] = [
     ("PI", PI),
     ("TAU", TAU),
     ("HALF_PI", FRAC_PI_2),
@@ -81,6 +81,7 @@ pub(super) const FLOATS: [(&str, f32); 27] = [
     ("MAX_SHARE", contacts::MAX_SHARE),
     ("CONTACT_RECOVERY", contacts::RECOVERY),
     ("MAX_MISSING", contacts::MAX_MISSING),
+    ("MIN_SLIDE", contacts::MIN_SLIDE),
     ("LIFT", contacts::LIFT),
     ("SIXTH", volume::SIXTH),
     ("THIRD", volume::THIRD),

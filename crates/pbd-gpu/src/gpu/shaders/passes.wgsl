@@ -1,8 +1,5 @@
 // Kernels of one dispatch per pass, over the bodies of the pass's links.
 
-// Minimum predicted height in the workgroup, as ordered bits.
-var<workgroup> lowest: atomic<u32>;
-
 // Maximum displacement in the workgroup; bits of nonnegative floats have the order of the floats.
 var<workgroup> max_moved: atomic<u32>;
 
@@ -15,20 +12,8 @@ fn predict(
     let work = find_work(group_number(group, groups));
     first_vertex = bodies[work.body].first_vertex;
     let i = work.first_lane + lane;
-    var height = ORDERED_INFINITY;
     if (i < bodies[work.body].vertices) {
-        height = predict_vertex(i, bodies[work.body].velocity_factor);
-    }
-    if (frame.has_ground != 0u) {
-        if (lane == 0u) {
-            atomicStore(&lowest, ORDERED_INFINITY);
-        }
-        workgroupBarrier();
-        atomicMin(&lowest, height);
-        workgroupBarrier();
-        if (lane == 0u) {
-            atomicMin(&reports[work.body].lowest[current.substep & 1u], atomicLoad(&lowest));
-        }
+        predict_vertex(i, bodies[work.body].velocity_factor);
     }
 }
 
@@ -167,21 +152,6 @@ fn colliders(
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn ground(
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) lane: u32,
-) {
-    let work = find_work(group_number(group, groups));
-    first_vertex = bodies[work.body].first_vertex;
-    let i = work.first_lane + lane;
-    let height = atomicLoad(&reports[work.body].lowest[current.substep & 1u]);
-    if (i < bodies[work.body].vertices && !is_above_ground(height)) {
-        lift_vertex(i, bodies[work.body].friction);
-    }
-}
-
-@compute @workgroup_size(WORKGROUP_SIZE)
 fn integrate(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
@@ -193,12 +163,6 @@ fn integrate(
     if (i < bodies[work.body].vertices) {
         if (!integrate_vertex(i)) {
             report_non_finite(work.body, i, current.substep);
-        }
-        if (i == 0u) {
-            // The next substep, possibly of the next frame, reduces into this slot.
-            let next = current.substep + 1u;
-            let slot = select(next & 1u, 0u, next == frame.substeps);
-            atomicStore(&reports[work.body].lowest[slot], ORDERED_INFINITY);
         }
     }
     if (frame.measures_motion != 0u) {

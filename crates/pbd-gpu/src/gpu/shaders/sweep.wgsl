@@ -8,7 +8,7 @@ fn sweep(kind: u32, body: Body, run: Run, first: u32, stride: u32) {
         }
     } else if (kind == CONTACTS) {
         for (var k = first; k < run.len; k += stride) {
-            project_contact(run.first + CONTACT_ENTRIES * k);
+            project_contact(body, run.first + CONTACT_ENTRIES * k);
         }
     } else if (kind == CONTACT_FEATURES) {
         for (var k = first; k < run.len; k += stride) {
@@ -16,7 +16,7 @@ fn sweep(kind: u32, body: Body, run: Run, first: u32, stride: u32) {
         }
     } else if (kind == CONTACT_RECOVERIES) {
         for (var k = first; k < run.len; k += stride) {
-            recover_contact(run.first + CONTACT_ENTRIES * k);
+            recover_contact(body, run.first + CONTACT_ENTRIES * k);
         }
     } else {
         let by = edge_projection(body, kind);

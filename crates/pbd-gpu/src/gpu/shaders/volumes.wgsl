@@ -12,22 +12,6 @@ fn store_leaf(i: u32, leaf: vec4f) {
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn lift_volumes(
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) lane: u32,
-) {
-    let work = find_work(group_number(group, groups));
-    let body = bodies[work.body];
-    first_vertex = body.first_vertex;
-    let chunk = work.first_lane / WORKGROUP_SIZE;
-    let height = atomicLoad(&reports[work.body].lowest[current.substep & 1u]);
-    if (chunk < body.chunks && !is_above_ground(height)) {
-        lift_chunk(body, chunk, lane, WORKGROUP_SIZE);
-    }
-}
-
-@compute @workgroup_size(WORKGROUP_SIZE)
 fn sum_volumes(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,

@@ -4,9 +4,6 @@
 // needed only where lanes share vertices: around pins and attachments, and between colors. Loops
 // with barriers have bounds from read-only memory, which are uniform.
 
-// Minimum predicted height of the substep, as ordered bits.
-var<workgroup> lowest: atomic<u32>;
-
 fn reset_kind(body: Body, kind: u32, colors: u32, lane: u32) {
     for (var color = 0u; color < colors; color++) {
         let run = run_of(body, kind, color);
@@ -81,12 +78,8 @@ fn project_volumes(body: Body, slot: u32, is_first: bool, lane: u32) {
 }
 
 fn predict_body(body: Body, lane: u32) {
-    var height = ORDERED_INFINITY;
     for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {
-        height = min(height, predict_vertex(i, body.velocity_factor));
-    }
-    if (frame.has_ground != 0u) {
-        atomicMin(&lowest, height);
+        predict_vertex(i, body.velocity_factor);
     }
 }
 
@@ -94,16 +87,6 @@ fn predict_body(body: Body, lane: u32) {
 fn push_all_out(body: Body, lane: u32) {
     for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {
         push_out(i, body.first_collider, body.colliders, body.friction);
-    }
-    workgroupBarrier();
-}
-
-// Lifts the vertices of all pieces onto the ground unless the body is predicted above it.
-fn lift_volumes(body: Body, lane: u32) {
-    if (!is_above_ground(atomicLoad(&lowest))) {
-        for (var chunk = 0u; chunk < body.chunks; chunk++) {
-            lift_chunk(body, chunk, lane, WORKGROUP_SIZE);
-        }
     }
     workgroupBarrier();
 }
@@ -123,10 +106,6 @@ fn whole_body(
     // Layer 0 may have an overflow but no color.
     let colors = max(1u, max(body.stretch_colors, body.bending_colors));
     let layers = (colors + MAX_COLORS - 1u) / MAX_COLORS;
-    if (lane == 0u) {
-        atomicStore(&lowest, ORDERED_INFINITY);
-    }
-    workgroupBarrier();
     let end = min(current.substep + current.colors, frame.substeps);
     for (var substep = current.substep; substep < end; substep++) {
         substep_index = substep;
@@ -182,9 +161,6 @@ fn whole_body(
                     if (body.colliders != 0u) {
                         push_all_out(body, lane);
                     }
-                    if (frame.has_ground != 0u) {
-                        lift_volumes(body, lane);
-                    }
                     project_volumes(body, work.body, round == 0u, lane);
                 }
                 if (body.contacts != 0u) {
@@ -192,14 +168,6 @@ fn whole_body(
                 }
                 if (body.colliders != 0u) {
                     push_all_out(body, lane);
-                }
-                if (frame.has_ground != 0u) {
-                    if (!is_above_ground(atomicLoad(&lowest))) {
-                        for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {
-                            lift_vertex(i, body.friction);
-                        }
-                    }
-                    workgroupBarrier();
                 }
             }
         }
@@ -210,9 +178,6 @@ fn whole_body(
             if (!integrate_vertex(i)) {
                 report_non_finite(work.body, i, substep);
             }
-        }
-        if (lane == 0u) {
-            atomicStore(&lowest, ORDERED_INFINITY);
         }
         workgroupBarrier();
         storageBarrier();

@@ -1,9 +1,14 @@
 use super::*;
+use crate::constraints::colliders::{Collider, ColliderRecord};
 use crate::constraints::contacts::{ContactKind, NO_VERTEX};
 use crate::kernels::contact_features::contact_features;
 use crate::kernels::particle_state::on_arrays;
 
-const NO_GROUND: f32 = f32::NEG_INFINITY;
+const NO_PLANES: Planes<'_> = planes(&[], 0.0);
+
+const fn planes(records: &[ColliderRecord], time: f32) -> Planes<'_> {
+    Planes { records, time }
+}
 
 /// A vertex of 2 kg over the middle of a triangle of 3 kg that lies in the plane y = 0.
 fn pair() -> (Vec<[f32; 4]>, ContactRecord) {
@@ -28,7 +33,7 @@ fn vertex_and_triangle_are_separated_by_inverse_mass() {
     let (x, contact) = pair();
     let mut d = [[0.0, -0.2, 0.0, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
     on_arrays(&x, &mut d, |p| {
-        contacts(p, &[], (&mut [contact], 0), &[0], (NO_GROUND, 0.0))
+        contacts(p, &[], (&mut [contact], 0), &[0], NO_PLANES)
     });
     // 0.15 m too near; inverse masses 1/2 and 3 (1/3)^2.
     let step = 0.15 / (0.5 + 1.0 / 3.0);
@@ -38,7 +43,7 @@ fn vertex_and_triangle_are_separated_by_inverse_mass() {
     }
     let before = d;
     on_arrays(&x, &mut d, |p| {
-        contacts(p, &[], (&mut [contact], 0), &[0], (NO_GROUND, 0.0))
+        contacts(p, &[], (&mut [contact], 0), &[0], NO_PLANES)
     });
     let off = (d[0][1] - before[0][1]).abs();
     assert!(off < 1e-6, "separated contacts are inactive");
@@ -57,7 +62,7 @@ fn a_vertex_moves_by_a_few_corrections_at_most() {
     };
     let mut d = [[0.0, -0.2, 0.0, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
     on_arrays(&x, &mut d, |p| {
-        contacts(p, &[], (&mut [contact], 0), &[0], (NO_GROUND, 0.0))
+        contacts(p, &[], (&mut [contact], 0), &[0], NO_PLANES)
     });
     let depth = 0.15;
     assert!((d[3][1] + MAX_SHARE * depth).abs() < 1e-5, "{d:?}");
@@ -72,7 +77,7 @@ fn recovered(d: [f32; 3], contact: ContactRecord) -> (Vec<ParticleState>, Vec<Pa
         .collect();
     let mut after = states.clone();
     let states_after = ParticleStates::new(&mut after);
-    let change = recover_contacts(states_after, &[contact], (NO_GROUND, 0.01), [0.0; 3]);
+    let change = recover_contacts(states_after, &[contact], (NO_PLANES, 0.01), [0.0; 3]);
     assert_eq!(change > 0.0, after != states);
     (states, after)
 }
@@ -126,13 +131,14 @@ fn a_missing_distance_recovers_in_positions_only() {
 /// Regression: the ground undid half of each correction, so that upper sheets sank into lower
 /// ones.
 #[test]
-fn a_triangle_on_the_ground_counts_as_fixed_in_height() {
+fn a_triangle_on_a_plane_counts_as_fixed_along_its_normal() {
     let (x, contact) = pair();
+    let ground = [Collider::ground(0.0).record().unwrap()];
     for normal in [[0.0, 1.0, 0.0], [0.6, 0.8, 0.0]] {
         let contact = ContactRecord { normal, ..contact };
         let mut d = [[0.0, -0.08, 0.0, 0.0]; 4];
         on_arrays(&x, &mut d, |p| {
-            contacts(p, &[], (&mut [contact], 0), &[0], (0.0, 0.0))
+            contacts(p, &[], (&mut [contact], 0), &[0], planes(&ground, 0.0))
         });
         let lift = d[1..].iter().map(|corner| -0.08 - corner[1]).sum::<f32>() / 3.0;
         let press = 2.0 * (d[0][1] + 0.08) / 3.0;
@@ -146,6 +152,65 @@ fn a_triangle_on_the_ground_counts_as_fixed_in_height() {
         assert!((distance - 0.05).abs() < 1e-6, "{distance} m, {d:?}");
         let momentum = 2.0 * d[0][0] + d[1][0] + d[2][0] + d[3][0];
         assert!(momentum.abs() < 1e-6, "sideways it is free: {momentum}");
+    }
+}
+
+/// Rounding of normals does not count as a slide: a million corrections would be lost in rounding.
+#[test]
+fn a_vertex_between_a_held_face_and_a_parallel_plane_stays() {
+    let (sin, cos) = 0.3_f32.sin_cos();
+    let plane = Collider::Plane {
+        point: [0.0; 3],
+        normal: [sin, cos, 1e-7],
+    };
+    let records = [plane.record().unwrap()];
+    let x = [
+        [0.0, 0.0, 0.0, 1.0],
+        [0.0, 0.0, 0.0, 0.0],
+        [3.0, 0.0, 0.0, 0.0],
+        [0.0, 0.0, 3.0, 0.0],
+    ];
+    let contact = ContactRecord {
+        normal: [-sin, -cos, 0.0],
+        ..pair().1
+    };
+    let mut d = [[0.0; 4]; 4];
+    on_arrays(&x, &mut d, |p| {
+        contacts(p, &[], (&mut [contact], 0), &[0], planes(&records, 0.0))
+    });
+    assert_eq!(d, [[0.0; 4]; 4]);
+}
+
+/// The recovery of a contact above a tilted plane, which the triangle touches or is just above.
+#[test]
+fn recovery_moves_no_vertex_into_a_plane() {
+    let contact = ContactRecord {
+        is_active: 1,
+        thickness: 0.07,
+        gap: 0.03,
+        ..pair().1
+    };
+    for gap in [0.0, 1e-4] {
+        let plane = Collider::Plane {
+            point: [0.0, -gap, 0.0],
+            normal: [0.6, 0.8, 0.0],
+        };
+        let records = [plane.record().unwrap()];
+        let planes = planes(&records, 0.0);
+        let mut states: Vec<_> = (pair().0.into_iter())
+            .map(|x| ParticleState { x, d: [0.0; 4] })
+            .collect();
+        let before = states.clone();
+        let particles = ParticleStates::new(&mut states);
+        recover_contacts(particles, &[contact], (planes, 0.01), [0.0; 3]);
+        assert!(states[0].x[1] > before[0].x[1], "the vertex rises");
+        for state in &states {
+            let depth: f32 = planes.push_out(*state).flatten().sum();
+            assert!(depth < 1e-7, "{depth} m below the plane");
+        }
+        if gap == 0.0 {
+            assert_eq!(states[1], before[1], "it lies on the plane");
+        }
     }
 }
 
@@ -170,7 +235,7 @@ fn a_carried_feature_rises() {
             .collect();
         let before = states.clone();
         let particles = ParticleStates::new(&mut states);
-        recover_contacts(particles, &[contact], (NO_GROUND, 0.01), fall);
+        recover_contacts(particles, &[contact], (NO_PLANES, 0.01), fall);
         let expected = f32::min(missing, 0.05 * missing + 0.02);
         assert!(
             (states[0].x[1] - 0.1 - expected).abs() < 1e-6,
@@ -203,7 +268,7 @@ fn crossed_edges_are_separated_by_inverse_mass() {
         [0.0; 4],
     ];
     on_arrays(&x, &mut d, |p| {
-        contacts(p, &[], (&mut [contact], 0), &[0], (NO_GROUND, 0.0))
+        contacts(p, &[], (&mut [contact], 0), &[0], NO_PLANES)
     });
     let heights = [0, 1, 2, 3].map(|i: usize| x[i][1] + d[i][1]);
     let between = 0.75 * heights[0] + 0.25 * heights[1] - 0.5 * (heights[2] + heights[3]);
@@ -227,7 +292,7 @@ fn a_vertex_below_a_plane_is_lifted_with_the_gap_rate() {
     for (time, height) in [(0.0, 0.15), (0.05, 0.25)] {
         let mut d = [[0.3, -0.2, 0.0, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
         on_arrays(&x, &mut d, |p| {
-            contacts(p, &[], (&mut [plane], 0), &[0], (NO_GROUND, time))
+            contacts(p, &[], (&mut [plane], 0), &[0], planes(&[], time))
         });
         assert!((x[0][1] + d[0][1] - height).abs() < 1e-6, "{d:?}");
         // Friction removes half of the lift.
@@ -239,7 +304,7 @@ fn a_vertex_below_a_plane_is_lifted_with_the_gap_rate() {
     held[0][3] = 0.0;
     let mut d = [[0.0; 4]; 4];
     on_arrays(&held, &mut d, |p| {
-        contacts(p, &[], (&mut [plane], 0), &[0], (NO_GROUND, 0.0))
+        contacts(p, &[], (&mut [plane], 0), &[0], NO_PLANES)
     });
     assert_eq!(d, [[0.0; 4]; 4], "pinned vertices stay");
 }
@@ -254,7 +319,7 @@ fn friction_is_limited_by_the_normal_correction() {
             ..contact
         }];
         on_arrays(&x, &mut d, |p| {
-            contacts(p, &[], (&mut list, 0), &[0], (NO_GROUND, 0.0))
+            contacts(p, &[], (&mut list, 0), &[0], NO_PLANES)
         });
         let point = (d[1][0] + d[2][0] + d[3][0]) / 3.0;
         assert!((d[0][0] - point - left).abs() < 1e-6, "{d:?}");
@@ -276,7 +341,7 @@ fn friction_is_bounded_by_the_sums_of_a_substep() {
         d[0][0] += pull;
         d[0][1] -= 1e-9;
         on_arrays(&x, &mut d, |p| {
-            contacts(p, &[], (&mut list, 0), &[0], (NO_GROUND, 0.0))
+            contacts(p, &[], (&mut list, 0), &[0], NO_PLANES)
         });
         let slide = d[0][0] - (d[1][0] + d[2][0] + d[3][0]) / 3.0;
         assert!((slide - left).abs() < 1e-6, "{slide} m after {pull} m");
@@ -299,7 +364,7 @@ fn friction_takes_back_what_others_moved_in_the_last_substep() {
         let mut d = [[0.0, -0.2, 0.0, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]];
         on_arrays(&x, &mut d, |p| {
             contact_features(p, &mut list, &mut Vec::new());
-            contacts(p, &[], (&mut list, 0), &[0], (NO_GROUND, 0.0));
+            contacts(p, &[], (&mut list, 0), &[0], NO_PLANES);
         });
         // Others move the vertex; then the substep ends, and it slides on.
         d[0][0] += drift;
@@ -311,7 +376,7 @@ fn friction_takes_back_what_others_moved_in_the_last_substep() {
         d[0] = [0.01 - drift, -0.15, 0.0, 0.0];
         on_arrays(&x, &mut d, |p| {
             contact_features(p, &mut list, &mut Vec::new());
-            contacts(p, &[], (&mut list, 0), &[0], (NO_GROUND, 0.0));
+            contacts(p, &[], (&mut list, 0), &[0], NO_PLANES);
         });
         let slide = d[0][0] - (d[1][0] + d[2][0] + d[3][0]) / 3.0;
         assert!((slide - left).abs() < 1e-5, "{slide} m with {friction}");

@@ -27,8 +27,9 @@ fn lowest(scene: &Scene, id: BodyId) -> f32 {
 fn column(blocks: u8, sleep: Option<SleepParams>) -> (Scene, Vec<BodyId>) {
     let mut scene = Scene::new(SceneParams {
         sleep,
-        ..params([0.0, -9.81, 0.0], Some(0.0))
+        ..params([0.0, -9.81, 0.0])
     });
+    scene.colliders.push(Collider::ground(0.0));
     let material = Material {
         damping: 1.0,
         ..firm(0.7, 0.0)
@@ -46,8 +47,9 @@ fn a_body_rests_on_another_one() {
     for contacts in [Some(ContactParams::default()), None] {
         let mut scene = Scene::new(SceneParams {
             contacts,
-            ..params([0.0, -9.81, 0.0], Some(0.0))
+            ..params([0.0, -9.81, 0.0])
         });
+        scene.colliders.push(Collider::ground(0.0));
         let lower = scene.add_body(ball([0.0, 1.0, 0.0], 1.0), &firm(1.0, 0.0));
         let upper = scene.add_body(ball([0.02, 3.05, 0.01], 1.0), &firm(1.0, 0.0));
         let (lower, upper) = (lower.unwrap(), upper.unwrap());
@@ -81,7 +83,7 @@ fn merged_as_they_are(parts: &[Surface]) -> Surface {
 
 #[test]
 fn a_collision_of_bodies_conserves_momentum() {
-    let mut scene = Scene::new(params([0.0; 3], None));
+    let mut scene = Scene::new(params([0.0; 3]));
     let first = scene
         .add_body(ball([0.0; 3], 1.0), &firm(0.5, 0.0))
         .unwrap();
@@ -138,8 +140,9 @@ fn a_column_comes_to_rest_and_sleeps_as_one() {
 fn a_falling_body_wakes_what_it_touches() {
     let mut scene = Scene::new(SceneParams {
         sleep: Some(SLEEP),
-        ..params([0.0, -9.81, 0.0], Some(0.0))
+        ..params([0.0, -9.81, 0.0])
     });
+    scene.colliders.push(Collider::ground(0.0));
     let material = Material {
         damping: 1.0,
         ..firm(0.7, 0.0)
@@ -166,7 +169,8 @@ fn a_pile_has_the_same_bits_on_any_number_of_threads() {
     let run = |pool: usize, threads: Option<usize>| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(pool);
         pool.build().unwrap().install(|| {
-            let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(0.0)));
+            let mut scene = Scene::new(params([0.0, -9.81, 0.0]));
+            scene.colliders.push(Collider::ground(0.0));
             scene.params.solver.threads = threads.and_then(NonZeroUsize::new);
             let ids: Vec<_> = (0_u8..12)
                 .map(|i| {
@@ -201,7 +205,8 @@ fn a_pile_has_the_same_bits_on_any_number_of_threads() {
 #[test]
 fn a_column_that_hits_the_ground_fast_comes_to_rest() {
     for gap in [0.01, 0.1] {
-        let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(0.0)));
+        let mut scene = Scene::new(params([0.0, -9.81, 0.0]));
+        scene.colliders.push(Collider::ground(0.0));
         let ids: Vec<_> = (0_u8..5)
             .map(|i| {
                 let at = [0.0, 0.5 + (0.19 + gap) * f32::from(i), 0.0];
@@ -244,7 +249,7 @@ fn crossed_bars_hold_each_other_at_every_angle() {
             }
             merged(&[bar])
         };
-        let mut scene = Scene::new(params([0.0, -9.81, 0.0], None));
+        let mut scene = Scene::new(params([0.0, -9.81, 0.0]));
         let below = scene
             .add_body(bar([1.0, 0.0], 0.0), &firm(1.0, 0.0))
             .unwrap();

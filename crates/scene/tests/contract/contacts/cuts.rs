@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn halves_of_a_cut_separate_slowly() {
-    let mut scene = Scene::new(params([0.0; 3], None));
+    let mut scene = Scene::new(params([0.0; 3]));
     let id = scene
         .add_body(cube_sphere(8, 1.0), &firm(0.5, 0.0))
         .unwrap();
@@ -40,7 +40,8 @@ fn halves_of_a_cut_separate_slowly() {
 #[test]
 fn rolling_halves_gain_no_speed() {
     for i in 0..6 {
-        let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(-1.0)));
+        let mut scene = Scene::new(params([0.0, -9.81, 0.0]));
+        scene.colliders.push(Collider::ground(-1.0));
         let material = Material {
             damping: 1.0,
             ..firm(0.5, 0.0)

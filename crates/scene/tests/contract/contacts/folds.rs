@@ -7,7 +7,7 @@ use incise_scene::{BodyId, ContactParams, Scene};
 
 /// Returns a weightless scene with self-collision, in which a body is scaled along y.
 fn scaled(surface: Surface, scale: f32) -> (Scene, BodyId) {
-    let mut params = params([0.0; 3], None);
+    let mut params = params([0.0; 3]);
     params.contacts = Some(ContactParams {
         self_collision: true,
         ..ContactParams::default()

@@ -1,4 +1,4 @@
-//! Friction on inclines: a held body, a plane, and the ground with inclined gravity.
+//! Friction on inclines: a held body, a plane, and a horizontal plane with inclined gravity.
 
 use super::{cube, merged, moved, params};
 use incise_mesh::Surface;
@@ -16,7 +16,7 @@ fn inclined(mut surface: Surface, degrees: f32) -> Surface {
 
 /// Returns a soft block that has slid down a held slab with a friction of 0.5 for some frames.
 fn on_an_incline(degrees: f32, frames: usize) -> (Scene, BodyId) {
-    let mut params = params([0.0, -9.81, 0.0], None);
+    let mut params = params([0.0, -9.81, 0.0]);
     params.sleep = Some(SleepParams::default());
     let mut scene = Scene::new(params);
     let slab = moved(&cube(6), [0.0, -0.15, 0.0], [1.5, 0.15, 1.5]);
@@ -62,17 +62,18 @@ fn a_block_slides_above_the_angle_of_friction() {
 /// Returns the distance along an incline that a soft block covers in a second, after one of rest
 /// \[m\].
 ///
-/// The incline is the ground under inclined gravity, or a plane.
+/// The incline is a horizontal plane under inclined gravity, or an inclined plane.
 fn way_down(degrees: f32, is_ground: bool) -> f64 {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let block = moved(&cube(4), [0.0, 0.25, 0.0], [0.25; 3]);
-    let (gravity, ground) = if is_ground {
-        ([9.81 * sin, -9.81 * cos, 0.0], Some(0.0))
+    let gravity = if is_ground {
+        [9.81 * sin, -9.81 * cos, 0.0]
     } else {
-        ([0.0, -9.81, 0.0], None)
+        [0.0, -9.81, 0.0]
     };
-    let mut scene = Scene::new(params(gravity, ground));
+    let mut scene = Scene::new(params(gravity));
     let surface = if is_ground {
+        scene.colliders.push(Collider::ground(0.0));
         merged(&[block])
     } else {
         scene.colliders.push(Collider::Plane {

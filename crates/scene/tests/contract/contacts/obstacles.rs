@@ -10,7 +10,7 @@ fn slide_distance(friction: f32, slope: f32) -> f32 {
     let plate = moved(&cube(6), [0.0, -0.1, 0.0], [2.0, 0.1, 2.0]);
     let g = 9.81 / (1.0 + slope * slope).sqrt();
     // The plate is horizontal and gravity is inclined.
-    let mut scene = Scene::new(params([g * slope, -g, 0.0], None));
+    let mut scene = Scene::new(params([g * slope, -g, 0.0]));
     let id = (scene.add_body(merged(&[plate, block]), &firm(friction, 0.0))).unwrap();
     pin_piece(&mut scene, id, 0);
     // The block starts in contact: it neither falls nor recovers a distance.
@@ -79,7 +79,7 @@ fn bodies_stay_out_of_colliders_and_sleep_on_flat_ones() {
         let mut scene = Scene::new(SceneParams {
             contacts: None,
             sleep: Some(SleepParams::default()),
-            ..params([0.0, -9.81, 0.0], None)
+            ..params([0.0, -9.81, 0.0])
         });
         // The broad phase excludes the distant collider.
         let far = Collider::Sphere {
@@ -128,7 +128,7 @@ fn a_moving_floor_lifts_and_drags_at_its_speed() {
     let block = merged(&[moved(&cube(4), [0.0, 0.5, 0.0], [0.5; 3])]);
     let mut scene = Scene::new(SceneParams {
         contacts: None,
-        ..params([0.0, -9.81, 0.0], None)
+        ..params([0.0, -9.81, 0.0])
     });
     let id = scene.add_body(block, &firm(1.0, 0.0)).unwrap();
     // Up by 0.5 m at 1 m/s, then to the side by 0.5 m at 0.5 m/s.
@@ -160,7 +160,7 @@ fn a_moving_floor_lifts_and_drags_at_its_speed() {
 
 #[test]
 fn an_invalid_collider_is_an_error_before_anything_moves() {
-    let mut scene = Scene::new(params([0.0, -9.81, 0.0], None));
+    let mut scene = Scene::new(params([0.0, -9.81, 0.0]));
     let id = scene
         .add_body(cube_sphere(3, 0.5), &firm(0.5, 0.0))
         .unwrap();

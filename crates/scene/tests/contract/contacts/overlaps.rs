@@ -12,7 +12,7 @@ fn add(scene: &mut Scene, shape: &Surface, at: [f32; 3], scale: f32) -> BodyId {
 }
 
 fn weightless() -> Scene {
-    Scene::new(params([0.0; 3], None))
+    Scene::new(params([0.0; 3]))
 }
 
 /// Returns the center of mass of bodies \[m\].
@@ -108,7 +108,8 @@ fn bodies_in_one_place_separate() {
 
 #[test]
 fn a_pinned_body_stays_and_an_upper_one_rises() {
-    let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(0.0)));
+    let mut scene = Scene::new(params([0.0, -9.81, 0.0]));
+    scene.colliders.push(Collider::ground(0.0));
     let pinned = add(&mut scene, &icosphere(3, 1.0), [0.0, 2.0, 0.0], 0.5);
     pin_piece(&mut scene, pinned, 0);
     let free = add(&mut scene, &icosphere(2, 1.0), [0.3, 2.0, 0.0], 0.2);
@@ -119,7 +120,8 @@ fn a_pinned_body_stays_and_an_upper_one_rises() {
     assert!((center(&scene, &[pinned]) - at).norm() < 1e-6);
     assert_eq!(inside(&scene, [free, pinned], 1e-3), 0);
 
-    let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(0.0)));
+    let mut scene = Scene::new(params([0.0, -9.81, 0.0]));
+    scene.colliders.push(Collider::ground(0.0));
     let slab = moved(&cube(4), [0.0; 3], [1.0, 0.2, 1.0]);
     let lower = add(&mut scene, &slab, [0.0, 0.1, 0.0], 0.5);
     let upper = add(&mut scene, &slab, [0.02, 0.2, 0.01], 0.5);
@@ -134,7 +136,8 @@ fn a_pinned_body_stays_and_an_upper_one_rises() {
 
 #[test]
 fn bodies_in_a_shaft_leave_each_other_along_it() {
-    let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(0.0)));
+    let mut scene = Scene::new(params([0.0, -9.81, 0.0]));
+    scene.colliders.push(Collider::ground(0.0));
     let sides = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
     let plane = |[x, z]: [f32; 2]| Collider::Plane {
         point: [-0.6 * x, 0.0, -0.6 * z],
@@ -158,7 +161,8 @@ fn lowest_of(scene: &Scene, id: BodyId) -> f32 {
 /// Regression: bodies of 1 cm entered each other by up to five edges, and stayed so.
 #[test]
 fn small_bodies_that_enter_each_other_leave_again() {
-    let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(0.0)));
+    let mut scene = Scene::new(params([0.0, -9.81, 0.0]));
+    scene.colliders.push(Collider::ground(0.0));
     let shapes = [cube(1), icosphere(1, 1.0), cube(2), icosphere(2, 1.0)];
     let ids: Vec<BodyId> = (0..10)
         .map(|i| {
@@ -189,7 +193,8 @@ fn bodies_in_each_other_separate_under_gravity() {
         (cube(4), [0.1, 1.2, 0.07], 0.5),
     ];
     for (shape, at, scale) in others {
-        let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(0.0)));
+        let mut scene = Scene::new(params([0.0, -9.81, 0.0]));
+        scene.colliders.push(Collider::ground(0.0));
         let lower = add(&mut scene, &cube(4), [0.0, 0.5, 0.0], 0.5);
         let upper = add(&mut scene, &shape, at, scale);
         for _ in 0..300 {
@@ -204,7 +209,7 @@ fn bodies_in_each_other_separate_under_gravity() {
 /// Returns 30 balls in one place above the ground.
 fn many_in_one_place() -> (Scene, Vec<BodyId>) {
     let mut scene = weightless();
-    scene.params.solver.ground = Some(0.0);
+    scene.colliders.push(Collider::ground(0.0));
     let ball = icosphere(2, 1.0);
     let ids = (0..30).map(|i| {
         let [x, z] = [i % 5, i % 7].map(|k| 0.015 * k as f32);
@@ -379,7 +384,8 @@ fn plate_in_pieces() -> Surface {
 #[test]
 #[ignore = "long"]
 fn pieces_of_a_thin_plate_stay_on_the_ground() {
-    let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(-0.005)));
+    let mut scene = Scene::new(params([0.0, -9.81, 0.0]));
+    scene.colliders.push(Collider::ground(-0.005));
     let id = (scene.add_body(plate_in_pieces(), &Material::soft_body())).unwrap();
     let mut highest = f64::NEG_INFINITY;
     for frame in 0..60 {

@@ -12,9 +12,10 @@ fn a_ball_rests_on_another_ball() {
     for contacts in [Some(ContactParams::default()), None] {
         let params = SceneParams {
             contacts,
-            ..params([0.0, -9.81, 0.0], Some(0.0))
+            ..params([0.0, -9.81, 0.0])
         };
         let mut scene = Scene::new(params);
+        scene.colliders.push(Collider::ground(0.0));
         let id = scene.add_body(body.clone(), &firm(1.0, 0.0)).unwrap();
         // The upper ball rolls off eventually, but not within 0.8 s.
         for _ in 0..48 {
@@ -32,7 +33,7 @@ fn a_ball_rests_on_another_ball() {
 fn a_collision_conserves_momentum() {
     let ball = cube_sphere(6, 1.0);
     let body = merged(&[ball.clone(), moved(&ball, [2.5, 0.4, 0.1], [1.0; 3])]);
-    let mut scene = Scene::new(params([0.0; 3], None));
+    let mut scene = Scene::new(params([0.0; 3]));
     let id = scene.add_body(body, &firm(0.5, 0.0)).unwrap();
     set_piece_velocity(&mut scene, id, 0, [3.0, 0.0, 0.0]);
     let solver = scene.body(id).unwrap().solver();
@@ -72,7 +73,7 @@ fn a_fast_ball_does_not_tunnel_through_a_plate() {
         let above = moved(&ball, [offset, 3.0, offset / 3.0], [1.0; 3]);
         let body = merged(&[plate.clone(), above]);
         let speed = 10.0 * 2.0 * 3.0_f32.sqrt();
-        let mut scene = Scene::new(params([0.0; 3], None));
+        let mut scene = Scene::new(params([0.0; 3]));
         let id = scene.add_body(body, &firm(0.0, 0.0)).unwrap();
         pin_piece(&mut scene, id, 0);
         set_piece_velocity(&mut scene, id, 1, [0.0, -speed, 0.0]);
@@ -100,7 +101,7 @@ fn an_inverted_ball_does_not_pass_through_a_plate() {
         volume: Some(Volume::default()),
         ..Material::default()
     };
-    let mut scene = Scene::new(params([0.0; 3], None));
+    let mut scene = Scene::new(params([0.0; 3]));
     let id = scene.add_body(merged(&[plate, ball]), &material).unwrap();
     pin_piece(&mut scene, id, 0);
     let speed = 10.0 * 2.0 * 3.0_f32.sqrt() * scale;
@@ -116,7 +117,7 @@ fn an_inverted_ball_does_not_pass_through_a_plate() {
 fn a_dragged_pin_does_not_tunnel_through_a_piece() {
     let plate = moved(&cube(8), [0.0; 3], [2.0, 0.1, 2.0]);
     let above = moved(&cube_sphere(5, 1.0), [0.1, 1.4, 0.2], [1.0; 3]);
-    let mut scene = Scene::new(params([0.0; 3], None));
+    let mut scene = Scene::new(params([0.0; 3]));
     let id = (scene.add_body(merged(&[plate, above]), &firm(0.0, 0.0))).unwrap();
     scene.step().unwrap();
     pin_piece(&mut scene, id, 1);
@@ -152,7 +153,8 @@ fn thin_plates_rest_on_each_other() {
         let plate = moved(&cube(4), [0.0; 3], [0.5, half, 0.5]);
         let below = moved(&plate, [0.0, half + 0.03, 0.0], [1.0; 3]);
         let above = moved(&plate, [0.0, 3.0 * half + 0.06, 0.0], [1.0; 3]);
-        let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(0.0)));
+        let mut scene = Scene::new(params([0.0, -9.81, 0.0]));
+        scene.colliders.push(Collider::ground(0.0));
         let material = Material {
             damping: 1.0,
             interior_springs: Some(InteriorSprings::default()),
@@ -173,14 +175,14 @@ fn thin_plates_rest_on_each_other() {
 
 /// Returns the contacts of two balls that fall by two thirds of a meter a frame, one above the
 /// other.
-fn contacts_of_falling_balls(gap: f32, ground: Option<f32>, colliders: &[Collider]) -> usize {
+fn contacts_of_falling_balls(gap: f32, collider: Collider) -> usize {
     let ball = cube_sphere(6, 1.0);
     let body = merged(&[
         moved(&ball, [0.0, 1.2, 0.0], [1.0; 3]),
         moved(&ball, [0.0, 3.2 + gap, 0.0], [1.0; 3]),
     ]);
-    let mut scene = Scene::new(params([0.0, -9.81, 0.0], ground));
-    scene.colliders = colliders.to_vec();
+    let mut scene = Scene::new(params([0.0, -9.81, 0.0]));
+    scene.colliders.push(collider);
     let id = scene.add_body(body, &firm(0.5, 0.0)).unwrap();
     for piece in [0, 1] {
         set_piece_velocity(&mut scene, id, piece, [0.0, -40.0, 0.0]);
@@ -188,23 +190,24 @@ fn contacts_of_falling_balls(gap: f32, ground: Option<f32>, colliders: &[Collide
     scene.step().unwrap().contacts
 }
 
-/// The search follows relative motion: the fall itself brings no triangle into reach. The ground
-/// does not change this, as it does not hold a group of pieces.
+/// The search follows relative motion: the fall itself brings no triangle into reach. A plane does
+/// not change this, as it does not hold a group of pieces.
 #[test]
 fn pieces_that_fall_together_have_no_contacts() {
     for gap in [0.6, 1.0] {
-        assert_eq!(contacts_of_falling_balls(gap, Some(0.0), &[]), 0);
+        assert_eq!(contacts_of_falling_balls(gap, Collider::ground(0.0)), 0);
     }
 }
 
 /// A collider may stop one of two pieces that fall together, and throw it back at the other one.
 #[test]
 fn pieces_that_fall_onto_a_collider_reach_each_other_by_their_motion() {
-    let plane = Collider::Plane {
-        point: [0.0; 3],
-        normal: [0.0, 1.0, 0.0],
+    let table = Collider::Box {
+        center: [0.0, -1.0, 0.0],
+        half: [9.0, 1.0, 9.0],
+        axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
     };
-    let contacts = |gap| contacts_of_falling_balls(gap, None, &[plane]);
+    let contacts = |gap| contacts_of_falling_balls(gap, table);
     for gap in [0.6, 2.5] {
         assert!(
             contacts(gap) > 0,
@@ -222,7 +225,7 @@ fn bars_of_one_body_rest_on_each_others_edges() {
         moved(&bar, [0.0; 3], [0.5, 0.05, 0.05]),
         moved(&bar, [0.0, 0.13, 0.0], [0.05, 0.05, 0.5]),
     ]);
-    let mut scene = Scene::new(params([0.0, -9.81, 0.0], None));
+    let mut scene = Scene::new(params([0.0, -9.81, 0.0]));
     let id = scene.add_body(body, &firm(0.5, 0.0)).unwrap();
     pin_piece(&mut scene, id, 0);
     for _ in 0..60 {

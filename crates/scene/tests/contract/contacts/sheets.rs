@@ -34,7 +34,7 @@ fn a_ball_and_a_sheet_rest_on_either_side_of_a_held_sheet() {
     let ball = moved(&cube_sphere(4, 0.3), [0.03, 0.4, 0.02], [1.0; 3]);
     for upper in [ball, horizontal(9, 0.1, true), horizontal(9, 0.1, false)] {
         for is_up in [true, false] {
-            let mut scene = Scene::new(params([0.0, -9.81, 0.0], None));
+            let mut scene = Scene::new(params([0.0, -9.81, 0.0]));
             let material = firm(1.0, 0.0);
             let held = add(&mut scene, &horizontal(8, 0.0, is_up), &material);
             pin_piece(&mut scene, held, 0);
@@ -50,7 +50,7 @@ fn a_ball_and_a_sheet_rest_on_either_side_of_a_held_sheet() {
 
 #[test]
 fn the_halves_of_a_cut_sheet_stay_in_its_plane() {
-    let mut scene = Scene::new(params([0.0; 3], None));
+    let mut scene = Scene::new(params([0.0; 3]));
     let id = add(&mut scene, &horizontal(8, 0.0, true), &firm(1.0, 0.0));
     let blade = scene.add_blade([[-2.0, 1.0, 0.03], [2.0, 1.0, 0.04]]);
     scene
@@ -69,12 +69,14 @@ fn the_halves_of_a_cut_sheet_stay_in_its_plane() {
 /// and pressed it into the ground. Upper sheets sank until all of them were in one plane.
 #[test]
 fn sheets_on_sheets_keep_their_gap() {
-    for size in [0.1, 2.0] {
-        let mut scene = Scene::new(params([0.0, -9.81, 0.0], Some(0.0)));
+    for (size, degrees) in [(0.1, 0.0), (2.0, 0.0), (0.1, 35.0), (2.0, 35.0)] {
+        let turn = Turn::new(degrees);
+        let mut scene = Scene::new(params(turn.of([0.0, -9.81, 0.0])));
+        scene.colliders.push(turn.ground());
         let ids = [0.0, 1.0, 2.0, 3.0].map(|layer: f32| {
             let mut surface = horizontal(12, 0.02 * layer, true);
             for p in surface.rest_positions_mut() {
-                *p = p.map(|c| c * size / 2.0);
+                *p = turn.of(p.map(|c| c * size / 2.0));
             }
             add(&mut scene, &surface, &Material::cloth())
         });
@@ -83,13 +85,14 @@ fn sheets_on_sheets_keep_their_gap() {
         }
         for (layer, id) in (0..).zip(ids) {
             let body = scene.body(id).unwrap();
-            let heights = body.surface().positions().iter().map(|p| f64::from(p[1]));
+            let positions = body.surface().positions().iter();
+            let heights = positions.map(|p| f64::from(turn.back([p[0], p[1], p[2]])[1]));
             let mean = heights.sum::<f64>() / body.surface().positions().len() as f64;
             let gaps = mean / (0.1 * body.solver().mean_rest_length());
             let expected = f64::from(layer);
             assert!(
                 (gaps - expected).abs() < 0.01 + 0.05 * expected,
-                "{size} m: layer {layer} at {gaps} gaps"
+                "{size} m, {degrees} degrees: layer {layer} at {gaps} gaps"
             );
         }
     }

@@ -46,7 +46,6 @@ pub(crate) fn busy(levels: [u32; 3], patches: &PatchParams) -> Scene {
         solver: SolverParams {
             substeps: 1,
             iterations: 3,
-            ground: Some(0.0),
             ..SolverParams::default()
         },
         contacts: Some(ContactParams::default()),
@@ -56,10 +55,11 @@ pub(crate) fn busy(levels: [u32; 3], patches: &PatchParams) -> Scene {
         }),
         ..SceneParams::default()
     });
-    scene.colliders = vec![Collider::Sphere {
+    let ball = Collider::Sphere {
         center: [0.2, 0.0, 0.1],
         radius: 0.15,
-    }];
+    };
+    scene.colliders = vec![ball, Collider::ground(0.0)];
     let soft = Material {
         stretch: Stiffness::Compliance(1e-5),
         ..Material::soft_body()

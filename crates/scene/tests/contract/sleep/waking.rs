@@ -34,9 +34,8 @@ fn a_changed_pin_target_wakes_and_the_same_one_does_not() {
 
 #[test]
 fn changed_parameters_wake_all_bodies() {
-    let changes: [fn(&mut SceneParams); 6] = [
+    let changes: [fn(&mut SceneParams); 5] = [
         |p| p.solver.gravity = [0.0, -1.0, 0.0],
-        |p| p.solver.ground = Some(0.2),
         |p| p.solver.iterations += 1,
         |p| p.dt *= 0.5,
         |p| p.contacts = Some(ContactParams::default()),

@@ -56,7 +56,7 @@ fn run_state(open: &OpenWindow) -> &'static str {
     }
 }
 
-fn frame_rows(stats: &FrameStats) -> [(&'static str, String); 7] {
+fn frame_rows(stats: &FrameStats) -> [(&'static str, String); 6] {
     let pair = |ran: u32, skipped: u32| format!("{ran}, {skipped} skipped");
     [
         ("sweeps", pair(stats.sweeps, stats.resting_blades)),
@@ -66,10 +66,6 @@ fn frame_rows(stats: &FrameStats) -> [(&'static str, String); 7] {
         ),
         ("refits", pair(stats.bvh_refits, stats.bvh_refits_skipped)),
         ("readbacks", pair(stats.readbacks, stats.readbacks_skipped)),
-        (
-            "ground passes",
-            format!("{} skipped", stats.ground_passes_skipped),
-        ),
         (
             "contacts",
             format!("{} in {} searches", stats.contacts, stats.contact_searches),

@@ -4,6 +4,7 @@ use incise_mesh::geometry::round_to_f32;
 use incise_mesh::{Surface, VertexId};
 use incise_models::double_cone;
 use incise_pbd_gpu::{MAX_COLORS, Material, PatchParams, Solver, SolverParams, Stiffness};
+use incise_test_support::params::set_ground;
 use incise_test_support::random::Random;
 use incise_test_support::surfaces::sphere;
 
@@ -119,7 +120,7 @@ pub(crate) const CASES: [(&str, Case); 12] = [
         },
     ),
     (
-        // Bodies unfold into a ground that only some of them are predicted to reach.
+        // Bodies unfold into a plane that only some of them are predicted to reach.
         "ground_between_iterations",
         Case {
             stretch: Stiffness::Pbd(1.0),
@@ -226,6 +227,9 @@ pub(crate) fn bodies(case: &Case, shaken: f32) -> Vec<Body> {
             ..Material::default()
         };
         let mut solver = new_solver(case, &mut surface, &material);
+        if let Some(height) = case.ground {
+            set_ground(&mut solver, height);
+        }
         let vertices: Vec<VertexId> = surface.topology().vertices().collect();
         for (k, &v) in vertices.iter().enumerate() {
             let by = vector(&mut random, shaken);
@@ -257,7 +261,6 @@ pub(crate) fn params(case: &Case) -> SolverParams {
         iterations: case.iterations,
         substeps: case.substeps,
         gravity: [0.0, case.gravity, 0.0],
-        ground: case.ground,
         diagonal_scale: if case.substeps > 1 { 0.5 } else { 1.0 },
         attachments: true,
         ..SolverParams::paper()

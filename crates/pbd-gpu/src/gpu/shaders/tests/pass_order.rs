@@ -19,7 +19,6 @@ const RESET: &str = "reset multipliers";
 const ATTACHMENTS: &str = "long-range attachments";
 const VOLUMES: &str = "volumes";
 const COLLIDERS: &str = "colliders";
-const GROUND: &str = "ground";
 const INTEGRATE: &str = "integrate";
 
 fn project(kind: u32) -> String {
@@ -41,7 +40,6 @@ fn token(call: &str, kind: Option<u32>) -> Option<String> {
         "project_back" => back(kind.expect("the kind is a constant")),
         "project_volumes" => VOLUMES.to_owned(),
         "push_all_out" => COLLIDERS.to_owned(),
-        "lift_vertex" | "lift_volumes" => GROUND.to_owned(),
         "integrate_vertex" => INTEGRATE.to_owned(),
         _ => return None,
     })
@@ -112,7 +110,6 @@ fn name(pass: Pass) -> String {
         Pass::ContactRecovery => project(CONTACT_RECOVERIES),
         Pass::Volumes => VOLUMES.to_owned(),
         Pass::CollidersBeforeVolumes | Pass::Colliders => COLLIDERS.to_owned(),
-        Pass::GroundBeforeVolumes | Pass::Ground => GROUND.to_owned(),
         Pass::Integrate => INTEGRATE.to_owned(),
         Pass::BeginGlobal | Pass::GlobalIteration => unreachable!("not in plans for GPUs"),
     }
@@ -147,7 +144,6 @@ fn full_plan() -> StepPlan {
         volumes: true,
         contacts: true,
         colliders: true,
-        ground: true,
         multipliers: true,
     };
     let mut plan = StepPlan::default();
