@@ -188,8 +188,6 @@ namespace Incise
         public const string FactorSeconds = "factor_seconds";
         /// <summary>Greatest age of a factor in use, in frames since its constraints were copied.</summary>
         public const string FactorAge = "factor_age";
-        /// <summary>CPU ground passes saved because the body was above the ground.</summary>
-        public const string GroundPassesSkipped = "ground_passes_skipped";
         /// <summary>Bodies that the GPU steps.</summary>
         public const string GpuBodies = "gpu_bodies";
         /// <summary>GPU bodies stepped by one workgroup each, see `incise_pbd_gpu::Schedule`.</summary>
