@@ -154,8 +154,8 @@ fn scales(runner: &Runner) -> Vec<Run> {
             let found = runner
                 .body_on_ground(surface, &material)
                 .and_then(|mut body| {
-                    // The ball of 1 km (1e-5 m/N) is strained by 5.8 % at rest, with 1 to 256 substeps
-                    // alike: all of its weight would stretch an edge by its own length.
+                    // The ball of 1 km (1e-5 m/N) is strained by 5.8 % at rest, with 1 to 256
+                    // substeps alike: its weight would stretch an edge by its own length.
                     let masses = body.solver.masses().iter();
                     let weight = 9.81 * masses.map(|&m| f64::from(m)).sum::<f64>();
                     let stretch = match material.stretch {

@@ -127,9 +127,8 @@ proptest! {
         let mut surface = before.clone();
         let mut cutter = Cutter::new(&before);
         let Ok(sweep) = blade.sweep(&surface) else { return Ok(()) };
-        let Ok(outcome) = paper_cut_and_check(&mut surface, &mut cutter, &sweep, &params(level)) else {
-            return Ok(());
-        };
+        let done = paper_cut_and_check(&mut surface, &mut cutter, &sweep, &params(level));
+        let Ok(outcome) = done else { return Ok(()) };
         let replaced = RemovedSizes::of(&before, &surface, &outcome);
         let (origin, normal) = sweep.plane();
         for added in &outcome.delta.vertices_added {

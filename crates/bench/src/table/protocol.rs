@@ -5,8 +5,8 @@
 //! body starts with a spin and a squeeze: a hollow surface with stretch and bending alone collapses
 //! under gravity.
 //!
-//! The scene's blade cuts by the exact method. The paper's method cuts the body in the same place of
-//! the frame with [`Scene::cut_with`], while the blade rests, and the same stages are timed.
+//! The scene's blade cuts by the exact method. The paper's method cuts the body in the same place
+//! of the frame with [`Scene::cut_with`], while the blade rests, and the same stages are timed.
 //!
 //! On a GPU a frame ends when the GPU is done; the first, which compiles kernels, is not timed. Far
 //! sweeps are skipped by the body's box, because a body that is read back every frame would not

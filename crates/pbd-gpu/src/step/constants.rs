@@ -41,8 +41,8 @@ pub struct StepConstants {
 }
 
 impl StepConstants {
-    /// Checks the substep, which is shorter than that of the parameters in a body above a plane, and
-    /// that all coefficients are finite.
+    /// Checks the substep, which is shorter than that of the parameters in a body above a plane,
+    /// and that all coefficients are finite.
     ///
     /// # Errors
     /// [`StepError::SubstepTooShort`].

@@ -8,9 +8,9 @@ use std::num::NonZeroUsize;
 incise_params::params! {
     /// Parameters of a frame. The y axis points up.
     ///
-    /// By default a frame has 16 substeps of one iteration with a diagonal scale of 1/2. On eight of the eleven scenes of `incise-bench accuracy` its error is at most 1.11
-    /// times the smallest one in the same time. Soft sheets gain from [`Integrator::Bdf2`], large
-    /// and stiff bodies from [`Scheme::Auto`] with two substeps of four iterations. More iterations
+    /// By default a frame has 16 substeps of one iteration with a diagonal scale of 1/2. On eight of
+    /// the eleven scenes of `incise-bench accuracy` its error is at most 1.11 times the smallest
+    /// one in the same time. Soft sheets gain from [`Integrator::Bdf2`], large and stiff bodies from [`Scheme::Auto`] with two substeps of four iterations. More iterations
     /// in fewer substeps of sweeps have larger errors (Macklin et al. 2019, "Small Steps in Physics
     /// Simulation").
     #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,8 +25,8 @@ incise_params::params! {
         ///
         /// With a [plane](crate::Collider::Plane) a body takes more if it would fall by more than
         /// 1/50 of its mean edge per iteration of a substep, as in a body of 1 cm. The plane would
-        /// flatten it otherwise. So does a body with [`Material::volume`](crate::Material::volume) that would fall by more
-        /// than 1/500 of the thickness `2 V / A` of a piece.
+        /// flatten it otherwise. So does a body with [`Material::volume`](crate::Material::volume)
+        /// that would fall by more than 1/500 of the thickness `2 V / A` of a piece.
         substeps: u32 = 16, range: Self::COUNTS;
         /// Gravitational acceleration.
         gravity: [f32; 3] = [0.0, -9.81, 0.0], unit: "m/s^2";

@@ -7,8 +7,8 @@ use incise_pbd_gpu::Collider;
 
 /// Returns the part of a displacement on which a box enters no obstacle \[m\].
 ///
-/// The box has a minimum and a maximum corner. It slides along planes, and stops in front of others.
-/// If it is in one already, it may move, but not deeper into a plane.
+/// The box has a minimum and a maximum corner. It slides along planes, and stops in front of
+/// others. If it is in one already, it may move, but not deeper into a plane.
 pub(super) fn free_way(corners: [Vec3; 2], by: Vec3, frame: &ContactFrame<'_>) -> Vec3 {
     let [min, max] = corners;
     let mut free = by;
