@@ -8,10 +8,11 @@ use std::num::NonZeroUsize;
 incise_params::params! {
     /// Parameters of a frame. The y axis points up.
     ///
-    /// By default a frame has 16 substeps of one iteration with a diagonal scale of 1/2. On eight of
-    /// the eleven scenes of `incise-bench accuracy` its error is at most 1.11 times the smallest
-    /// one in the same time. Soft sheets gain from [`Integrator::Bdf2`], large and stiff bodies from [`Scheme::Auto`] with two substeps of four iterations. More iterations
-    /// in fewer substeps of sweeps have larger errors (Macklin et al. 2019, "Small Steps in Physics
+    /// By default a frame has 16 substeps of one iteration with a diagonal scale of 1/2. On eight
+    /// of the eleven scenes of `incise-bench accuracy` its error is at most 1.11 times the smallest
+    /// one in the same time. Soft sheets gain from [`Integrator::Bdf2`], large and stiff bodies
+    /// from [`Scheme::Auto`] with two substeps of four iterations. More iterations in fewer
+    /// substeps of sweeps have larger errors (Macklin et al. 2019, "Small Steps in Physics
     /// Simulation").
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct SolverParams {
