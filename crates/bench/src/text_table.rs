@@ -141,7 +141,7 @@ pub(crate) fn text_table(rows: &[Value]) -> String {
     while !rest.is_empty() {
         let mut width = name.width;
         let fits = rest.iter().take_while(|column| {
-            width += column.width + 1;
+            width += column.width + 2;
             width <= WIDTH
         });
         let (now, later) = rest.split_at(fits.count().max(1));
@@ -154,7 +154,7 @@ pub(crate) fn text_table(rows: &[Value]) -> String {
             table.add_row(all.iter().map(|column| &column.cells[row]));
         }
         for (own, column) in table.column_iter_mut().zip(&all) {
-            own.set_padding((0, 1));
+            own.set_padding((0, 2));
             own.set_cell_alignment(column.alignment());
         }
         text.push('\n');
@@ -183,11 +183,11 @@ mod tests {
         ];
         let rows = rows.map(|row| serde_json::from_str(row).unwrap());
         let expected = "seed 1\n
-name     ms_ failures
+name     ms_  failures
         cut_
          all
-a     0.5000        0
-bc         -        1
+a     0.5000         0
+bc         -         1
 bc: failures: no
 ";
         assert_eq!(text_table(&rows), expected);
