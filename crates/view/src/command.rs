@@ -1,7 +1,6 @@
 //! Commands and settings of a session, as serializable data.
 
-use incise_params::{ParamError, Parameter, Params, Value};
-use incise_pbd_gpu::{Collider, InteriorSprings, Material, SolverParams, Stiffness, Volume};
+use incise_pbd_gpu::{Collider, InteriorSprings, Material, Stiffness, Volume};
 use incise_scene::{BladeMode, ContactParams, SceneParams};
 use serde::{Deserialize, Serialize};
 
@@ -64,87 +63,30 @@ pub enum Command {
     Redo,
 }
 
-/// The settings that a user changes in the panel.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Value")]
-pub struct Settings {
-    /// Parameters of the scene; cuts that end inside replace some.
-    pub scene: SceneParams,
-    /// Material of the body.
-    pub material: Material,
-    /// Adds a horizontal plane below the body.
-    pub ground: bool,
-    /// Lets cuts end inside the body.
-    ///
-    /// A held blade then cuts as it moves. Otherwise it cuts when it leaves the body, and a line
-    /// that ends inside the body is refused.
-    pub progressive: bool,
-}
-
-impl Default for Settings {
-    /// Returns settings for a firm body that keeps its volume and shape, on the ground.
-    fn default() -> Self {
-        Self {
-            scene: SceneParams {
-                contacts: Some(ContactParams::default()),
-                ..SceneParams::default()
-            },
-            material: Material {
-                volume: Some(Volume::default()),
-                interior_springs: Some(InteriorSprings::default()),
-                damping: 1.0,
-                ..Material::default()
-            },
-            ground: true,
-            progressive: true,
-        }
-    }
-}
-
-impl TryFrom<Value> for Settings {
-    type Error = ParamError;
-
-    /// Reads settings by name, also those of old recordings, which had no structs.
-    fn try_from(value: Value) -> Result<Self, ParamError> {
-        let Value::Map(entries) = value else {
-            return Err(ParamError::wrong_type(&value, "values by name"));
+incise_params::params! {
+    /// The settings that a user changes in the panel. By default a firm body that keeps its volume
+    /// and shape, on the ground.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Settings {
+        /// Parameters of the scene; cuts that end inside replace some.
+        scene: SceneParams = SceneParams {
+            contacts: Some(ContactParams::default()),
+            ..SceneParams::default()
         };
-        let mut settings = Self::default();
-        let Self {
-            scene,
-            material,
-            ground,
-            progressive,
-        } = &mut settings;
-        if !entries.iter().any(|(name, _)| name == "scene") {
-            (material.interior_springs, material.damping) = (None, 0.0);
-            *progressive = false;
-        }
-        for (name, value) in &entries {
-            match (name.as_str(), value) {
-                ("scene", _) => scene.set_value(value)?,
-                ("material", _) => material.set_value(value)?,
-                ("ground", _) => ground.set_value(value)?,
-                ("progressive", _) => progressive.set_value(value)?,
-                ("gravity", Value::Flag(is_on)) => {
-                    let gravity = SolverParams::default().gravity;
-                    scene.solver.gravity = if *is_on { gravity } else { [0.0; 3] };
-                }
-                // The only method that is left.
-                ("method", Value::Text(name)) if name == "exact" => {}
-                ("bending" | "volume" | "interior_springs", Value::None) => {
-                    material.set(name, value)?;
-                }
-                ("stretch" | "bending", _) => material.set(&format!("{name}.stiffness"), value)?,
-                ("volume", _) => material.set("volume.pressure", value)?,
-                ("interior_springs", _) => material.set("interior_springs.density", value)?,
-                ("damping", _) => material.set(name, value)?,
-                _ => scene.set(name, value)?,
-            }
-        }
-        settings.scene.check_ranges()?;
-        settings.material.check_ranges()?;
-        Ok(settings)
+        /// Material of the body.
+        material: Material = Material {
+            volume: Some(Volume::default()),
+            interior_springs: Some(InteriorSprings::default()),
+            damping: 1.0,
+            ..Material::default()
+        };
+        /// Adds a horizontal plane below the body.
+        ground: bool = true;
+        /// Lets cuts end inside the body.
+        ///
+        /// A held blade then cuts as it moves. Otherwise it cuts when it leaves the body, and a
+        /// line that ends inside the body is refused.
+        progressive: bool = true;
     }
 }
 

@@ -8,7 +8,7 @@ use std::io::{self, BufRead, Write};
 
 /// One line of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(rename_all = "snake_case")]
 pub enum Entry {
     /// First entry: the initial surface and settings.
     Start {
