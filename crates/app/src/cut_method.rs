@@ -11,7 +11,7 @@ use incise_params::{Params, resolve};
 #[derive(clap::Args)]
 pub(crate) struct MethodOptions {
     /// Method to open the surface.
-    #[arg(long, value_enum, default_value_t = Method::Exact)]
+    #[arg(long, value_enum, default_value_t = Method::Exact, requires = "cutter")]
     method: Method,
     #[command(flatten)]
     paper: ParamOptions<PaperOptionSet>,

@@ -119,6 +119,7 @@ const ALLOWED: [(&str, &[&str]); 21] = [
             "incise-refine",
             "incise-cut",
             "incise-paper",
+            "incise-params",
             "incise-pbd-gpu",
             "incise-scene",
             "incise-progress",

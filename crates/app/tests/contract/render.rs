@@ -29,7 +29,10 @@ fn invalid_input_is_an_error() {
     refused(&["--level", "2x-finer"], 2, "--plane");
     refused(&["--plane", "0,0,0,1"], 2, "no area");
     refused(&["--without", "1"], 2, "the image has 1 piece,");
-    refused(&["--plane", "1,0,0,0", "--method", "paper"], 2, "--method");
+    let paper = ["--method", "paper"];
+    refused(&paper, 2, "--plane");
+    let snapped = [&["--plane", "1,0,0,0", "--snap", "0.2"][..], &paper].concat();
+    refused(&snapped, 2, "--snap");
     refused(&["-o", "a.jpg"], 2, "only .png");
     refused(&["-o", "none/such/folder.png"], 3, "folder.png");
     refused(&["nothing.obj"], 1, "nothing.obj");

@@ -82,7 +82,7 @@ fn a_file_has_all_parts_of_a_scene() {
     let bodies: Vec<_> = scene.bodies().collect();
     assert_eq!(
         (bodies.len(), scene.blades().count(), scene.colliders.len()),
-        (4, 3, 1)
+        (4, 3, 2)
     );
     let body = |i: usize| scene.body(bodies[i]).unwrap();
     assert_eq!(body(0).pieces().len(), 2);
