@@ -25,7 +25,8 @@ const BLADE_POINTS: u8 = 25;
 const SIDE: u32 = 320;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let file = std::env::args_os().nth(1).ok_or("pass the name of a PNG")?;
+    let file = std::env::args_os().nth(1);
+    let file = file.unwrap_or_else(|| "incisions.png".into());
     let depths = [0.1, 0.2, 0.3, 0.4, 0.5];
     let parallel: Vec<Sweep> = (depths.into_iter().zip([-0.23, -0.11, 0.01, 0.13, 0.25]))
         .map(|(depth, x)| downward(&[[x, -0.7], [x, 0.7]], RADIUS - depth))

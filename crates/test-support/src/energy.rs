@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 pub const MAX_ENERGY: f64 = 1.01;
 /// Largest speed, relative to that of the lightest vertex if it had all of the energy.
 const MAX_SPEED: f64 = 10.0;
-/// Largest mean strain of a body that had [`RECOVERY`] to regain its lengths.
+/// Largest mean strain of a body that had `RECOVERY` to regain its lengths.
 pub const MAX_STRAIN: f64 = 0.05;
 /// Time in which a body regains its lengths \[s\].
 const RECOVERY: f64 = 5.0;

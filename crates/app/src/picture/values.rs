@@ -3,7 +3,7 @@
 use crate::numbers::numbers;
 use incise_render::{Background, Color};
 
-/// Width and height [pixels].
+/// Width and height \[pixels\].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Size(pub [u32; 2]);
 
