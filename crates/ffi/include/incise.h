@@ -859,9 +859,7 @@ incise_status incise_cut_result_report(incise_cut_result *result, incise_cut_rep
  Writes a count or a time of a cut by name, such as `"merged_points"` or `"seconds.detection"`;
  1 or 0 for true and false. `docs/parameters.md` lists them.
  */
-incise_status incise_cut_result_statistic(incise_cut_result *result,
-                                          const char *name,
-                                          double *out);
+incise_status incise_cut_result_statistic(incise_cut_result *result, const char *name, double *out);
 
 /*
  Copies the cut surface with all pieces to a new mesh.
