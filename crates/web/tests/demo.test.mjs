@@ -69,7 +69,7 @@ for (const [name, options] of Object.entries(VIEWPORTS)) {
     const boxes = await page.$$eval("#tool label, #panel button, select, .button", (all) =>
       all.map((e) => e.getBoundingClientRect().toJSON()),
     );
-    assert.equal(boxes.length, 4 + 3 + 5);
+    assert.equal(boxes.length, 4 + 3 + 4);
     for (const box of boxes) {
       assert.ok(box.left >= 0 && box.right <= width && box.bottom <= height, JSON.stringify(box));
       assert.ok(box.height >= 34 && box.width >= 40, JSON.stringify(box));

@@ -29,8 +29,8 @@ function hash(meshes) {
   return (crc >>> 0).toString(16).padStart(8, "0");
 }
 
-function cut(mesh, method, level, [x, y, z, d]) {
-  mesh.cut(new Float64Array([x, y, z]), d, { level, method });
+function cut(mesh, level, [x, y, z, d]) {
+  mesh.cut(new Float64Array([x, y, z]), d, { level });
   const pieces = Array.from(mesh.pieceNumbers(), (number) => mesh.piece(number));
   return `${pieces.length} ${hash(pieces)}`;
 }
@@ -61,7 +61,7 @@ test("seeded cuts and a scene have the bits of Rust", () => {
     const model = Mesh.model(name);
     const mesh = new Mesh(model.positions().slice(), model.triangles().slice());
     const isScene = method === "scene";
-    const run = () => (isScene ? fall(mesh, numbers) : cut(mesh, method, level, numbers));
+    const run = () => (isScene ? fall(mesh, numbers) : cut(mesh, level, numbers));
     if (expected === "refused") assert.throws(run);
     else assert.equal(run(), expected, `${name} ${method} ${numbers}`);
   }
