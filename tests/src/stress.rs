@@ -14,7 +14,7 @@ mod runner;
 mod shapes;
 mod volumes;
 
-pub use runner::{Body, Case, FRAME, Runner, ball, largest_offset};
+pub use runner::{Body, Case, Runner, ball, largest_offset};
 
 /// Returns all stress tests with their names.
 pub fn cases() -> impl Iterator<Item = Case> {

@@ -1,8 +1,9 @@
 //! Pins that leap and turn, parameters that change, falls, impacts, and random bodies.
 
-use super::runner::{Body, Case, FRAME, Runner, ball, largest_offset};
+use super::runner::{Body, Case, Runner, ball, largest_offset};
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3, VertexId, cube_sphere, icosphere, torus};
+use incise_models::scenes::FRAME;
 use incise_models::{double_cone, place, pose, sheet};
 use incise_pbd_gpu::{Density, Material, SolverParams, Stiffness};
 use incise_test_support::energy::{

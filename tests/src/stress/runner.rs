@@ -10,9 +10,6 @@ use incise_test_support::params::set_ground;
 /// A stress test: panics where an invariant does not hold.
 pub type Case = (&'static str, fn(&mut Runner<'_>));
 
-/// Length of a frame \[s\].
-pub const FRAME: f32 = 1.0 / 60.0;
-
 /// The backend of the tests.
 pub struct Runner<'a> {
     /// Steps a body and reads its state back.

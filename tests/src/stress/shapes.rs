@@ -1,8 +1,9 @@
 //! Bodies that start crushed, folded or pushed through, and meshes of slivers, fans and open seams.
 
-use super::runner::{Body, Case, FRAME, Runner, ball};
+use super::runner::{Body, Case, Runner, ball};
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3, VertexId};
+use incise_models::scenes::FRAME;
 use incise_models::{double_cone, place, pose, sheet};
 use incise_pbd_gpu::{Material, Solver, Stiffness};
 use incise_test_support::energy::{Limits, MAX_STRAIN, hinge_angle, wrapped};

@@ -1,9 +1,10 @@
 //! Bodies that keep their volumes: turned inside out, and opened.
 
 use super::motions::squeeze;
-use super::runner::{Body, Case, FRAME, Runner, ball};
+use super::runner::{Body, Case, Runner, ball};
 use incise_mesh::{Surface, TriangleId, Vec3};
 use incise_models::place;
+use incise_models::scenes::FRAME;
 use incise_pbd_gpu::{Material, Volume};
 use incise_test_support::materials::shells;
 use incise_test_support::params::{TEN_ITERATIONS, WEIGHTLESS};

@@ -1,13 +1,14 @@
 //! Bodies and buffers that grow, and motions of every schedule within rounding.
 
 use incise_mesh::{HalfEdge, Surface, torus};
+use incise_models::scenes::FRAME;
 use incise_pbd_gpu::{Context, GpuBackend, Material, PatchParams, Schedule, Solver};
 use incise_test_support::cpu_gpu_pair::{CpuGpuPair, SCHEDULES, solver_for, with_most_features};
 use incise_test_support::edits::split;
 use incise_test_support::gpu::Needs;
 use incise_test_support::materials::elastic_shell;
 use incise_test_support::params::{TEN_ITERATIONS, set_ground};
-use incise_tests::stress::{Body, FRAME, ball, largest_offset};
+use incise_tests::stress::{Body, ball, largest_offset};
 
 /// Largest distance from the CPU's positions \[m\].
 const MAX_OFFSET: f64 = 1e-4;
