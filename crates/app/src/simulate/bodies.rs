@@ -16,7 +16,8 @@ use std::path::{Path, PathBuf};
 /// body's bounding box.
 const MAX_SPACING: f64 = 0.01;
 
-/// Maximum depth of a body in a plane at the start, relative to the diagonal of its bounding box.
+/// Maximum depth of a body in a plane at the start, relative to the diagonal of its bounding box:
+/// eight roundings of single precision, as of a body that was moved onto the plane.
 const MAX_DEPTH: f64 = 1e-6;
 
 /// An input of a simulation.

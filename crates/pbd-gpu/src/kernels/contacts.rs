@@ -7,9 +7,10 @@
 //! creep downhill. A sum of lengths would count a slide and its return twice. Friction also takes
 //! back the drift of the last substep, see [`contact_features`](super::contact_features).
 //!
-//! Planes push vertices out after the contacts. A contact sees vertices as the planes will leave
-//! them, and counts those that it presses into a plane as fixed along its normal. They take the
-//! reaction nevertheless: the plane undoes it, and its friction counts the load.
+//! Planes push vertices out after the contacts. So a contact computes with the positions to which
+//! the planes will move its vertices. It counts a vertex that it presses into a plane as fixed
+//! along the plane's normal. Such a vertex gets its correction nevertheless: the plane pushes it
+//! out again, and the plane's friction includes the load.
 
 use super::colliders::{Planes, dot};
 use super::particle_state::{ParticleState, ParticleStates, lanes};
@@ -54,7 +55,7 @@ pub(crate) fn contacts(
         let shares = shares(w, p);
         let free = inverse_mass((w, shares), [[1.0; 2]; 4]);
         // Vertices on a plane slide along it only.
-        let parts = slides((w, n), p, planes).map(|slide| match slide {
+        let parts = slides(w, n, p, planes).map(|slide| match slide {
             Some(along) if dot(along, along) < MIN_SLIDE => [0.0; 2],
             Some(along) => {
                 let size = along[0].abs() + along[1].abs() + along[2].abs();
@@ -143,7 +144,8 @@ fn shares(w: [f32; 4], p: [ParticleState; 4]) -> [f32; 4] {
 /// presses it into a plane.
 #[inline(always)]
 fn slides(
-    (w, n): ([f32; 4], [f32; 3]),
+    w: [f32; 4],
+    n: [f32; 3],
     p: [ParticleState; 4],
     planes: Planes<'_>,
 ) -> [Option<[f32; 3]>; 4] {
@@ -197,7 +199,8 @@ pub(crate) const LIFT: f32 = 4.0;
 pub(crate) fn recover_contacts(
     particles: ParticleStates<'_>,
     contacts: &[ContactRecord],
-    (planes, h): (Planes<'_>, f32),
+    planes: Planes<'_>,
+    h: f32,
     fall: [f32; 3],
 ) -> f32 {
     let mut max_change = 0.0;
@@ -216,7 +219,7 @@ pub(crate) fn recover_contacts(
         // The carrying feature stays, as planes do.
         let is_carried = contact.carried != Carried::Neither as u16;
         let down = dot(n, fall);
-        let slides = slides((w, n), p, planes);
+        let slides = slides(w, n, p, planes);
         let rising = [0, 1, 2, 3].map(|i: usize| {
             let stays = slides[i].is_some() || is_carried && w[i] * down > 0.0;
             if stays { 0.0 } else { 1.0 }

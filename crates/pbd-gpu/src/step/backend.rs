@@ -317,10 +317,10 @@ impl Frame<'_, '_, '_> {
                 let fall = first.constants.gravity_step.map(|g| g * h);
                 let (serial, colors) = split_serial(&self.contacts.colors);
                 for color in colors {
-                    change += contacts::recover_contacts(particles, color, (planes, h), fall);
+                    change += contacts::recover_contacts(particles, color, planes, h, fall);
                 }
                 for contact in serial.chunks(1) {
-                    change += contacts::recover_contacts(particles, contact, (planes, h), fall);
+                    change += contacts::recover_contacts(particles, contact, planes, h, fall);
                 }
                 for body in &mut *self.bodies {
                     body.member.stats.max_displacement += change;

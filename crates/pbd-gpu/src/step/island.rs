@@ -163,7 +163,7 @@ impl Island {
         };
         for (body, (solver, surface)) in bodies.iter_mut().enumerate() {
             let touch = Touch {
-                reaches_colliders: reaches_colliders((solver, surface), reach, dt),
+                reaches_colliders: reaches_colliders(solver, surface, reach, dt),
                 ..touch
             };
             let member = prepare_member(solver, surface, (dt, touch), params);

@@ -39,11 +39,7 @@ pub(crate) fn max_motion(bodies: &[IslandBody<'_>], dt: f32, gravity: [f32; 3]) 
 /// `motion` \[m\].
 ///
 /// The body may move by its diagonal more, since springs may throw it. O(vertices) with colliders.
-pub(crate) fn reaches_colliders(
-    (solver, surface): (&Solver, &Surface),
-    motion: f64,
-    dt: f32,
-) -> bool {
+pub(crate) fn reaches_colliders(solver: &Solver, surface: &Surface, motion: f64, dt: f32) -> bool {
     let colliders = solver.colliders();
     if colliders.is_empty() {
         return false;

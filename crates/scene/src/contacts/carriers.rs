@@ -18,7 +18,9 @@ use std::cmp::Ordering;
 /// Level of a piece without a path of contacts to a plane.
 const NO_LEVEL: u32 = u32::MAX;
 
-/// Minimum cosine of the slope of a plane that carries pieces.
+/// Minimum cosine of the slope of a plane that carries pieces: 60 degrees.
+///
+/// On a steeper plane pieces slide with any friction below tan(60 degrees) = 1.7.
 const MIN_SLOPE_COSINE: f64 = 0.5;
 
 /// Minimum speed of a piece that falls [speeds gained by gravity in a frame].

@@ -77,7 +77,7 @@ fn recovered(d: [f32; 3], contact: ContactRecord) -> (Vec<ParticleState>, Vec<Pa
         .collect();
     let mut after = states.clone();
     let states_after = ParticleStates::new(&mut after);
-    let change = recover_contacts(states_after, &[contact], (NO_PLANES, 0.01), [0.0; 3]);
+    let change = recover_contacts(states_after, &[contact], NO_PLANES, 0.01, [0.0; 3]);
     assert_eq!(change > 0.0, after != states);
     (states, after)
 }
@@ -202,7 +202,7 @@ fn recovery_moves_no_vertex_into_a_plane() {
             .collect();
         let before = states.clone();
         let particles = ParticleStates::new(&mut states);
-        recover_contacts(particles, &[contact], (planes, 0.01), [0.0; 3]);
+        recover_contacts(particles, &[contact], planes, 0.01, [0.0; 3]);
         assert!(states[0].x[1] > before[0].x[1], "the vertex rises");
         for state in &states {
             let depth: f32 = planes.push_out(*state).flatten().sum();
@@ -235,7 +235,7 @@ fn a_carried_feature_rises() {
             .collect();
         let before = states.clone();
         let particles = ParticleStates::new(&mut states);
-        recover_contacts(particles, &[contact], (NO_PLANES, 0.01), fall);
+        recover_contacts(particles, &[contact], NO_PLANES, 0.01, fall);
         let expected = f32::min(missing, 0.05 * missing + 0.02);
         assert!(
             (states[0].x[1] - 0.1 - expected).abs() < 1e-6,
