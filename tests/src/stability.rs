@@ -41,7 +41,7 @@ pub struct Case {
 pub struct Run {
     /// The parameters of the run.
     pub at: String,
-    /// What was measured, or the error that ended the run.
+    /// The measurement, or the error that ended the run.
     pub found: Result<Outcome, StressError>,
 }
 

@@ -41,7 +41,7 @@ pub(crate) struct Piece {
     euler_characteristic: i64,
 }
 
-/// Where and how a command writes pieces.
+/// Location and format of the pieces that a command writes.
 #[derive(clap::Args)]
 pub(crate) struct OutputOptions {
     /// The folder for the pieces, or a file NAME.glb for all of them.

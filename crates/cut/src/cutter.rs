@@ -187,10 +187,10 @@ impl Cutter {
         self.version = SurfaceVersion::new(surface);
     }
 
-    /// Iterates over the cross-sections of the last cut, one for each triangle of the sweep that
-    /// has any, with the target edge length at each of their points \[m\].
+    /// Iterates over the cross-sections of the last cut and their target edge lengths \[m\].
     ///
-    /// Both caps cover them. Nothing before the first cut and in sheets.
+    /// There is one for each triangle of the sweep that has any, with a length per point. Both caps
+    /// cover it. Nothing before the first cut and in sheets.
     pub fn sections(&self) -> impl Iterator<Item = (Section<'_>, &[f64])> {
         self.exact.sections()
     }

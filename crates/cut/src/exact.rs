@@ -55,7 +55,7 @@ use web_time::Instant;
 /// A search for the parts of cut pieces beside the meshing of caps, which must not join others.
 struct Search<'a> {
     separator: &'a mut Separator,
-    /// Sides that caps are expected to join, as far as that is known.
+    /// Pairs of sides that caps join; `None` until they are meshed.
     joined: Option<Vec<(usize, usize)>>,
     seeds: Vec<TriangleId>,
 }

@@ -1,4 +1,4 @@
-//! [`Stroke`]: a blade that moves along a path through a surface at rest.
+//! [`Stroke`]: the sums of a blade's motion along a path through a surface at rest.
 
 use crate::blade_position::blade_starts_inside;
 use crate::cutter::Cutter;

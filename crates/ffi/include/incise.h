@@ -509,7 +509,7 @@ typedef struct {
    The point to which all coordinates of the mesh are relative, in meters: vertices, `low`,
    `high`, planes and poses of cuts. Zero unless the mesh is from a file whose coordinates are
    far from zero compared to its size; the file is read relative to a near point then, so that
-   32 bits keep its digits. `incise_mesh_write` adds it.
+   32 bits keep its precision. `incise_mesh_write` adds it.
    */
   double origin[3];
 } incise_mesh_measures;

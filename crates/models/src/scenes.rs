@@ -194,7 +194,7 @@ impl ScriptedScene {
     }
 }
 
-/// How surfaces become bodies of a scene.
+/// Assignment of surfaces to the bodies of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Grouping {
     /// Each is a body.

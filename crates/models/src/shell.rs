@@ -19,6 +19,8 @@ pub(super) struct Shell {
 }
 
 impl Shell {
+    /// Connects the triangles of a closed surface.
+    ///
     /// # Panics
     /// If the triangles do not form a closed oriented manifold.
     pub(super) fn new(points: Vec<Vec3>, triangles: &[[u32; 3]]) -> Self {

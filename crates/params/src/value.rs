@@ -25,8 +25,10 @@ pub enum Value {
 const SHOWN: usize = 40;
 
 impl Value {
-    /// Returns the value of a text: `none`, a flag, a number, numbers between commas, a name, or
-    /// values by name in braces such as `{ compliance = 1e-4 }`.
+    /// Returns the value of a text.
+    ///
+    /// That is `none`, a flag, a number, numbers between commas, a name, or values by name in
+    /// braces such as `{ compliance = 1e-4 }`.
     #[must_use]
     pub fn parse(text: &str) -> Self {
         let text = text.trim();

@@ -14,7 +14,7 @@ pub(crate) fn model_names(py: Python<'_>) -> PyResult<Bound<'_, PyTuple>> {
 
 /// Builds one of the models of the paper's table, by its name in any case; see `MODELS`.
 ///
-/// The models are made by formula and have the same bits on every machine. Spheres have a radius of
+/// The models are generated and have the same bits on every machine. Spheres have a radius of
 /// 0.5 m, the others a bounding box with a diagonal of 1 m around the origin.
 #[pyfunction]
 pub(crate) fn model(py: Python<'_>, name: &str) -> PyResult<Mesh> {

@@ -95,7 +95,7 @@ incise_params::params! {
         /// Growth of the target length with the distance from the rim.
         ///
         /// 0: the target at the rim holds everywhere. Above 0, the number of triangles grows with
-        /// the rim, not with the area. About the default see `docs/log/2026-11.md`.
+        /// the rim, not with the area.
         grading: f64 = 0.3, range: Range::NOT_NEGATIVE, unit: "m/m";
         /// Maximum number of triangles of a patch; a patch that needs more is an error.
         max_triangles: usize = 4_000_000;

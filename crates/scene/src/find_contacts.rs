@@ -74,7 +74,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Takes the velocity with which two pieces approach each other on the way they are moved.
+    /// Removes the approach velocity of an overlapping pair along its separation.
     ///
     /// They share the change as they share the displacement, so that neither moves along gravity.
     fn stop_approach(&mut self, pair: [(PieceId, Vec3); 2]) -> Result<(), SceneError> {

@@ -15,7 +15,7 @@
 //! transitions that would lose a state, `Edited` and `Uploaded` from `GpuAhead` and `Stepped` from
 //! `CpuAhead`, do not occur.
 
-/// Where the newest state of a body is.
+/// Location of the newest state of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Residency {
     /// Only in CPU memory: the CPU steps the body.

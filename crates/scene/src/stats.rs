@@ -53,7 +53,7 @@ incise_params::report! {
         global_bodies: u32;
         /// Memory of their global steps.
         global_bytes: usize, unit: "bytes";
-        /// Longest time of the last factorization of a body, beside the frames or in its first one.
+        /// Longest time of the last factorization of a body, mostly in the background.
         factor_seconds: f64, unit: "s";
         /// Greatest age of a factor in use, in frames since its constraints were copied.
         factor_age: u32;

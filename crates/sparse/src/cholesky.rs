@@ -13,7 +13,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, Mat, Par, Side, Spec};
 use std::fmt;
 
-/// How columns are factored.
+/// Grouping of the columns of a factorization.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Columns {
     /// One after the other: the same bits on every CPU.

@@ -120,7 +120,7 @@ impl Mesh {
         )?))
     }
 
-    /// Builds a model by formula: `Sphere20`, `Sphere80`, `Sphere768`, `Bunny`, `Octopus`,
+    /// Generates a model: `Sphere20`, `Sphere80`, `Sphere768`, `Bunny`, `Octopus`,
     /// `Banana` or `Armadillo`.
     ///
     /// # Errors

@@ -132,7 +132,7 @@ impl Runner {
         self.body_with(surface, solver)
     }
 
-    /// As [`Runner::body`], above a horizontal plane through the origin.
+    /// Adds a body as [`Runner::body`], above a horizontal plane through the origin.
     pub(super) fn body_on_ground(
         &self,
         mut surface: Surface,
@@ -143,7 +143,7 @@ impl Runner {
         self.body_with(surface, solver)
     }
 
-    /// As [`Runner::body`], with a given solver.
+    /// Adds a body as [`Runner::body`], with a given solver.
     pub(super) fn body_with(&self, surface: Surface, solver: Solver) -> Found<Body<'_>> {
         let mut body = Body {
             surface,
@@ -237,7 +237,7 @@ impl Body<'_> {
         })
     }
 
-    /// As [`Body::watched`], without a watch.
+    /// Returns the energies of a run as [`Body::watched`], without a watch.
     pub(super) fn energy_over(
         &mut self,
         dt: f32,

@@ -19,7 +19,7 @@ const MATERIAL: &str = "options";
 pub(super) struct SceneOptions {
     #[command(flatten)]
     reading: InputOptions,
-    /// Move an input before the start [m]; the first one moves the first input, and so on.
+    /// Move an input before the start [m]. Repeat once per input, in their order.
     #[arg(
         long,
         value_name = "X,Y,Z",
@@ -62,7 +62,7 @@ pub(super) struct SceneOptions {
     path: Option<PathBuf>,
     /// Time of the cut, or of the first pose [s]; 0 by default.
     ///
-    /// Given once it is the time of all planes, else each plane has its own, in their order.
+    /// Give one time for all planes, or one per plane in their order.
     #[arg(
         long,
         value_name = "S",

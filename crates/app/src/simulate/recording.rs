@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use incise_mesh::Surface;
 use incise_scene::Scene;
 
-/// A body from one change of its triangles to the next one.
+/// The shapes of a body between two changes of its topology.
 pub(super) struct Take {
     /// The body at the first picture.
     pub(super) surface: Surface,

@@ -87,9 +87,10 @@ enum Candidate {
 }
 
 impl Remesher {
-    /// Remeshes around the rim of both sides, moving the surface by at most `tolerance` of the
-    /// local edge length or, where that is less, of the section's `width` \[m\]. Without
-    /// `may_merge` the rim stays as it is.
+    /// Remeshes around the rim of both sides.
+    ///
+    /// Moves the surface by at most `tolerance` of the local edge length or, where that is less, of
+    /// the section's `width` \[m\]. Without `may_merge` the rim stays as it is.
     pub(super) fn remesh(
         &mut self,
         cut: &mut Opened<'_, '_>,

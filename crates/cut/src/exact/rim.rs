@@ -85,8 +85,9 @@ impl Rim {
         })
     }
 
-    /// Iterates over the half-edges that leave a node's vertex on a side, from boundary to
-    /// boundary; over those of both sides where a curve ends on the sweep's boundary.
+    /// Iterates over the half-edges of a node's fan on a side, from boundary to boundary.
+    ///
+    /// Where a curve ends on the sweep's boundary, those of both sides count.
     pub(super) fn fan<'a>(
         &'a self,
         topology: &'a Topology,

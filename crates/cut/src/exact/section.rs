@@ -47,7 +47,7 @@ pub(super) struct FacetSection {
     pub(super) facet: u32,
     /// Node of each point.
     pub(super) nodes: Vec<u32>,
-    /// What follows each point on its loop.
+    /// The element of the boundary after each point.
     pub(super) boundary: Vec<BoundaryEdge>,
     /// Place in the facet's plane from which the points are counted \[m\].
     pub(super) center: [f64; 2],

@@ -25,15 +25,15 @@ const CLEARANCE: f64 = 0.1;
 /// Its maximum [motion of the blade].
 const MAX_CLEARANCE: f64 = 0.5;
 
-/// A point of the next sweep in both frames.
+/// A point of the blade in both poses of the next sweep.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Column {
     /// Its parameter on the blade now, see [`TipPoint::parameter`].
     pub(super) parameter: f64,
     /// Its position before the step \[m\].
     pub(super) previous: Vec3,
-    /// The vertex of the tip, or null; and the one with which the tip goes on, another one across
-    /// two coincident walls.
+    /// The incoming and the outgoing vertex of the tip, or null. They differ across two coincident
+    /// walls.
     pub(super) vertex: VertexId,
     pub(super) begins: VertexId,
     /// Whether an edge of the tip joins it to the next column.

@@ -43,7 +43,7 @@ pub struct MeshMeasures {
     /// The point to which all coordinates of the mesh are relative, in meters: vertices, `low`,
     /// `high`, planes and poses of cuts. Zero unless the mesh is from a file whose coordinates are
     /// far from zero compared to its size; the file is read relative to a near point then, so that
-    /// 32 bits keep its digits. `incise_mesh_write` adds it.
+    /// 32 bits keep its precision. `incise_mesh_write` adds it.
     pub origin: [f64; 3],
 }
 

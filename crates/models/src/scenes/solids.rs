@@ -5,8 +5,10 @@ use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, TriangleId, Vec3, index_u32};
 use std::collections::BTreeMap;
 
-/// Returns a model whose largest side is 1 m, centered above the origin, with its lowest point at
-/// height 0 and vertices in the order of their positions; none without an extent.
+/// Returns a model whose largest side is 1 m, centered above the origin.
+///
+/// Its lowest point is at height 0, its vertices are in the order of their positions. None for a
+/// model without an extent.
 #[must_use]
 pub fn unit_size(mut surface: Surface) -> Option<Surface> {
     surface.sort_by_position();

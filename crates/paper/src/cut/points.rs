@@ -35,8 +35,9 @@ pub(super) struct IntersectionPoint {
 pub(super) struct Loop {
     /// The representatives, by their number in [`PointSet::points`].
     pub(super) representatives: Range<u32>,
-    /// For every hit of the strip, which representative its entry point merged into, counted from
-    /// the first and never decreasing; the count of representatives stands for the first again.
+    /// The representative into which the entry point of each hit of the strip merged.
+    ///
+    /// Counted from the first, never decreasing; the number of representatives is the first again.
     pub(super) rank: Vec<u32>,
     /// A triangle of the strip, to name it in an error.
     triangle: TriangleId,

@@ -11,7 +11,7 @@ use crate::patches::Patches;
 use incise_mesh::{EdgeKey, Surface, Topology, VertexId};
 
 impl Constraints {
-    /// See [`Solver::validate`](crate::Solver::validate).
+    /// Checks every index, rest value and color against a surface.
     pub(crate) fn validate(
         &self,
         surface: &Surface,

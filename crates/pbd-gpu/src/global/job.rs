@@ -1,4 +1,4 @@
-//! [`FactorJob`]: a factorization beside the frames, on a thread of its own.
+//! [`FactorJob`]: a factorization on a background thread.
 
 use super::matrix::Factor;
 use std::fmt;
@@ -12,9 +12,9 @@ type Work = Box<dyn FnOnce() -> Option<Factor> + Send>;
 
 /// A factorization that another thread may run.
 ///
-/// The thread that takes the work first runs it: one beside the frames, or the one that needs the
-/// factor. So a busy machine costs time only. The thread beside the frames is none of a rayon
-/// pool, whose threads would also run the factorization while they wait for parts of a frame.
+/// Runs on the background thread, or on the first thread that needs the result, so that a busy
+/// machine costs time only. The background thread is outside of rayon's pool, whose threads would
+/// also run the factorization while they wait for parts of a frame.
 #[derive(Debug, Clone)]
 pub(super) struct FactorJob(Arc<Shared>);
 

@@ -1,9 +1,9 @@
 //! [`Preconditioner`]: the factor of a body, kept in use while the body is cut.
 //!
-//! Touched vertices, those of triangles that an edit changed, have no row in the factor. They get
-//! a [`LocalFactor`] of their own in the frame of the edit. A new factor is made beside the frames
-//! and taken into use after a number of frames that depends on the body alone, so that results do
-//! not depend on speed.
+//! Touched vertices, those of triangles that an edit changed, have no row in the factor. They get a
+//! [`LocalFactor`] of their own in the frame of the edit. A new factor is computed in the
+//! background and taken into use after a number of frames that depends on the body alone, so that
+//! results do not depend on speed.
 
 use super::coordinates::{self, COORDINATES};
 use super::free_pieces::FreePieces;
@@ -90,7 +90,7 @@ impl Clone for Preconditioner {
     }
 }
 
-/// A factorization beside the frames.
+/// A factorization in the background.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Pending {

@@ -110,7 +110,7 @@ impl Compiler<'_> {
                 .collect();
             let by_substep = entry_point != EntryPoint::StepVolumes;
             let kernel = Kernel::Pass(entry_point);
-            // The number of the round, as far as the kernel does not count it.
+            // Index of the round, if the kernel does not track it.
             let pass = PassUniform {
                 color: u32::from(self.is_later_round),
                 ..PLAIN_PASS

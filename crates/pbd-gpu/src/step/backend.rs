@@ -259,7 +259,7 @@ impl NullaryFnOnce for Frame<'_, '_, '_> {
 }
 
 impl Frame<'_, '_, '_> {
-    /// Runs the passes of a part of every body's plan that lie strictly between two passes.
+    /// Runs the passes of every body's plan in an open interval between two passes.
     fn run_stage(
         &mut self,
         (part, round): (u32, Round),

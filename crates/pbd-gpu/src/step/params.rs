@@ -8,12 +8,11 @@ use std::num::NonZeroUsize;
 incise_params::params! {
     /// Parameters of a frame. The y axis points up.
     ///
-    /// By default a frame has 16 substeps of one iteration with a diagonal scale of 1/2. On eight
-    /// of the eleven scenes of `incise-bench accuracy` its error is at most 1.11 times the smallest
-    /// one in the same time. Soft sheets gain from [`Integrator::Bdf2`], large and stiff bodies
-    /// from [`Scheme::Auto`] with two substeps of four iterations. More iterations in fewer
-    /// substeps of sweeps have larger errors (Macklin et al. 2019, "Small Steps in Physics
-    /// Simulation").
+    /// By default a frame has 16 substeps of one iteration with a diagonal scale of 1/2, near the
+    /// smallest error in the same time (`docs/benchmarks.md`). Soft sheets gain from
+    /// [`Integrator::Bdf2`], large and stiff bodies from [`Scheme::Auto`] with two substeps of four
+    /// iterations. More iterations in fewer substeps of sweeps have larger errors (Macklin et al.
+    /// 2019, "Small Steps in Physics Simulation").
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct SolverParams {
         /// Projections of every constraint per substep, usually 1 to 20.
@@ -21,8 +20,8 @@ incise_params::params! {
         /// Contacts and volumes have up to 24 projections each where heavy pieces press thin ones,
         /// see [`Press`](crate::Press).
         iterations: u32 = 1, range: Self::COUNTS;
-        /// Minimum substeps per frame, usually 1 to 20. They stiffen a body more than as many
-        /// iterations.
+        /// Minimum substeps per frame, usually 1 to 20. They stiffen a body more than the same
+        /// number of iterations.
         ///
         /// With a [plane](crate::Collider::Plane) a body takes more if it would fall by more than
         /// 1/50 of its mean edge per iteration of a substep, as in a body of 1 cm. The plane would
@@ -59,8 +58,8 @@ incise_params::params! {
         ///
         /// The results do not depend on it. One thread is the calling thread: no pool is touched.
         /// Threads share the passes of large bodies, and small bodies of an island that has many;
-        /// other small bodies take one. With more threads the global step has one beside the pool
-        /// that factors its matrix after an edit.
+        /// other small bodies take one. With more than one, the global step factors its
+        /// matrix after an edit on a background thread outside the pool.
         threads: Option<NonZeroUsize> = None, range: Range::at_least(1.0);
     }
 }

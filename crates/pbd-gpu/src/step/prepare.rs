@@ -14,7 +14,7 @@ use crate::step::params::{Integrator, SolverParams};
 use crate::step::plan::PlanKey;
 use crate::step::second_order::{Orders, SUBSTEP_RATIO};
 
-/// Number of its own lengths for which a long substep counts as recent.
+/// Decay time of the longest recent substep [lengths of that substep].
 const MEMORY: f32 = 10.0;
 
 /// Contacts and collisions of a body in a frame.

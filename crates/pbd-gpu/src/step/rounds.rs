@@ -20,7 +20,7 @@ const MAX_APPROACH: f64 = 0.1;
 /// Maximum number of rounds by the approach.
 const MAX_FOR_APPROACH: f64 = 8.0;
 
-/// Maximum fall from rest per substep and plain round of a piece that presses, likewise.
+/// Maximum free fall per substep and plain round [thickness / mass ratio].
 const MAX_FALL: f64 = 0.0003;
 
 /// Number of accelerated rounds, relative to the root of the number of plain ones.

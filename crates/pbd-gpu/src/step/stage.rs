@@ -69,7 +69,7 @@ fn has_shared_pass(body: &Body<'_>) -> bool {
     body.patches.are_shared() || counts.chain([body.volumes.spokes.len()]).any(is_shared)
 }
 
-/// The passes of a part of a plan that lie strictly between two passes, in one substep.
+/// The passes of a plan in an open interval between two passes, in one substep.
 #[derive(Clone, Copy)]
 pub(crate) struct Stage<'a> {
     /// The part: the prologue, an iteration or the epilogue.

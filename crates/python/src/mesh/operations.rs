@@ -67,9 +67,8 @@ impl Mesh {
     ///
     /// The outer boundary of a sheet is a hole too. Old vertices and faces come first, in their
     /// order; vertices that no face uses are dropped. Faces of patches have the material 1. Options
-    /// are the `HoleParams` of `docs/parameters.md`: `level`, `max_rim_edges`, `max_triangles` and
-    /// `material`. The report has `holes`, a dictionary each, and `left_open`. Patches are not
-    /// faired.
+    /// are the `HoleParams` of `docs/parameters.md`: `level`, `fair`, `max_rim_edges`,
+    /// `max_triangles` and `material`. The report has `holes`, a dictionary each, and `left_open`.
     ///
     /// Raises `FillError` and `TopologyError`.
     #[pyo3(signature = (**options))]

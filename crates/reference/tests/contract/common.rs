@@ -1,4 +1,4 @@
-//! What tests of the reference share.
+//! Models and checks that tests of the reference share.
 
 use incise_reference::{Model, State, StepReport, Stepper};
 use nalgebra::Vector3;

@@ -8,10 +8,6 @@
 //! no non-manifold vertices, and flips are its inner loop. [`Cdt::flip`] and [`Cdt::split_edge`]
 //! are the only flip and split of this module's users. Triangles in space, such as those of holes,
 //! use [`crate::EdgeDictionary`] instead.
-//!
-//! The crate `spade` was considered. It has no flip, no move of a vertex and no sizing field in its
-//! public interface, all of which [`super::refinement`] and [`super::duplicate_edges`] need; see
-//! `docs/log/2026-11.md`.
 
 pub(crate) mod insertion_order;
 mod location;

@@ -63,7 +63,7 @@ impl Extents {
 
 /// Returns a way without its part along gravity, if that is small.
 ///
-/// Otherwise the piece that would sink a little would not move, whatever the masses are.
+/// Otherwise the lower piece would get no displacement, whatever the masses are.
 pub(super) fn leveled(way: Vec3, gravity: Vec3) -> Vec3 {
     let Some(down) = gravity.try_normalize(0.0) else {
         return way;

@@ -10,7 +10,7 @@ use incise_mesh::{HalfEdge, Surface, Vec3, VertexId};
 /// Number of vertices per piece at whose other [points](points_at) an overlap is measured.
 const MEASURED: usize = 50;
 
-/// Returns about `count` vertices of a piece, evenly spaced in its list; others in the next search.
+/// Returns about `count` vertices of a piece, evenly spaced; the offset rotates with the search.
 fn sampled(
     vertices: &[VertexId],
     (count, search): (usize, usize),
@@ -23,13 +23,13 @@ fn sampled(
         .copied()
 }
 
-/// Returns a point at each of about `count` vertices of a piece; others in the next searches.
+/// Returns a point at each of about `count` vertices of a piece, which rotate with the search.
 pub(super) fn sampled_points(
     surface: &Surface,
     vertices: &[VertexId],
     (count, search): (usize, usize),
 ) -> impl Iterator<Item = Point> {
-    // Once all vertices have had their turn, other points of them follow.
+    // After a full cycle over the vertices, their next sample points follow.
     let turn = search / (vertices.len() / count).max(1);
     sampled(vertices, (count, search)).filter_map(move |v| {
         let points = points_at(surface, v).count();

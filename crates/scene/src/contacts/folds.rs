@@ -1,8 +1,9 @@
 //! Contacts within a piece: they touch from outside, not through the piece.
 //!
 //! Where a piece is thin, crushed or turned inside out, its sides face each other like those of a
-//! fold. A contact would pull one through the other and hold it there. The winding number of the
-//! space between the two tells a fold from that: it is outside, or within both of its layers.
+//! fold. A contact would pull one through the other and hold it there. A
+//! winding number of 0 or 2 halfway between the two means contact from outside: of separate sides,
+//! or of the layers of a fold.
 
 use super::persistent::PersistentContact;
 use crate::body::Body;

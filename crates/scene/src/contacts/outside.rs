@@ -43,7 +43,7 @@ pub(super) fn is_outside(surface: &Surface, t: TriangleId, vertex: Touching) -> 
     }
 }
 
-/// Returns a nearest point as one of a triangle that `counts`, if it is on the border of one.
+/// Reassigns a nearest point on the border of an accepted triangle to that triangle.
 ///
 /// Beside the rim of a cap, only the cap carries a vertex above it; the skin would let it pass. The
 /// distance keeps its sign, since a vertex in front of either of them is outside.

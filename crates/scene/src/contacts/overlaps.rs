@@ -57,9 +57,9 @@ struct Overlap {
     pieces: [PieceId; 2],
     /// Fingerprints of their surfaces.
     versions: [u64; 2],
-    /// Displacements that separate the pieces by 1.
+    /// Displacements per unit of separation.
     shifts: [[f64; 3]; 2],
-    /// Distance between their middles along the way, when it was measured \[m\].
+    /// Initial centroid distance along the separation axis \[m\].
     start: f64,
     /// Separation per frame \[m\].
     step: f64,
@@ -67,7 +67,7 @@ struct Overlap {
 }
 
 impl Overlap {
-    /// Returns the distance between the pieces' middles along their way apart \[m\].
+    /// Returns the centroid distance along the separation axis \[m\].
     fn distance(&self, bodies: &Bodies) -> f64 {
         let [a, b] = self.shifts.map(Vec3::from);
         let [from, to] = self.pieces.map(|piece| middle(bodies, piece));
@@ -76,8 +76,8 @@ impl Overlap {
 
     /// Returns the displacements of this frame \[m\].
     ///
-    /// What has moved the pieces since the measurement counts: a piece that falls is lifted again,
-    /// and one that something else carries is not.
+    /// Other motion since the measurement counts toward the target: a piece that falls is lifted
+    /// again, and one that something else carries is not.
     fn moves(&self, bodies: &Bodies, frame: &ContactFrame<'_>) -> [Vec3; 2] {
         let [a, b] = self.shifts.map(Vec3::from);
         let target = self.start + f64::from(PERIOD - self.frames_left) * self.step;
@@ -151,7 +151,7 @@ impl Overlaps {
         self.list.len()
     }
 
-    /// Returns the pieces of an overlap and displacements that separate them by 1.
+    /// Returns the pieces of an overlap and their displacements per unit of separation.
     pub(super) fn shifts(&self, n: usize) -> [(PieceId, Vec3); 2] {
         let Overlap { pieces, shifts, .. } = self.list[n];
         [0, 1].map(|i: usize| (pieces[i], Vec3::from(shifts[i])))

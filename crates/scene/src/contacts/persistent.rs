@@ -99,7 +99,7 @@ pub(super) fn area_normal(surface: &Surface, t: TriangleId) -> Vec3 {
     area_vector(surface.triangle_positions(t))
 }
 
-/// Returns what a vertex at `at` keeps its distance from: the plane or the nearest point.
+/// Returns whether a vertex at `at` keeps its distance from the plane or the nearest point.
 ///
 /// Both separate the two. The one is chosen that leaves more room after the relative `motion`
 /// \[m\]: the direction from an edge would stop a vertex that slides past it, the triangle's

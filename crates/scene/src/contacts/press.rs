@@ -1,8 +1,8 @@
-//! How pieces press thinner or lighter ones: these need more rounds of contacts and volumes.
+//! Load ratios of pieces on thinner ones, which need more rounds of contacts and volumes.
 //!
-//! Only pieces whose volume is preserved count; others cannot stop what presses them flat. Features
-//! close at most as fast as one of their pieces moves as a whole: limp pieces, whose vertices
-//! tremble, would else keep themselves moving by rounds that come and go.
+//! Only pieces whose volume is preserved count; others are pressed flat in any case. The approach
+//! speed of features is at most that of one of their pieces as a whole: in limp pieces, whose
+//! vertices tremble, changing round counts would otherwise inject energy.
 
 use super::narrow_phase::{Search, Searched};
 use super::persistent::{PersistentContact, area_normal};

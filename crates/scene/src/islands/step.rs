@@ -13,7 +13,7 @@ use rayon::prelude::*;
 /// Below it, waking a thread takes longer than the step.
 const MIN_PARALLEL: usize = 4096;
 
-/// The bodies of an island. They are here from grouping until they are stepped.
+/// The bodies of an island, owned from grouping to the end of the step.
 #[derive(Debug, Default)]
 pub(super) struct BodyIsland {
     /// Indices in the scene, ascending.

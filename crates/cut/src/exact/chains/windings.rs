@@ -1,4 +1,4 @@
-//! How often sweep edges are inside a solid, and the ends of the chains that follow from it.
+//! Winding numbers of sweep edges in a solid, and the ends of the chains that follow from them.
 
 use super::Chains;
 use super::piercings::Piercing;

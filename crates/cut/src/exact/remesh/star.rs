@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 pub(super) struct Star {
     /// The half-edges that leave the vertex.
     pub(super) fan: Vec<HalfEdge>,
-    /// Their targets.
+    /// Targets of the half-edges.
     pub(super) vertices: Vec<VertexId>,
     /// By neighbor, whether it is on the rim.
     pub(super) is_on_rim: Vec<bool>,

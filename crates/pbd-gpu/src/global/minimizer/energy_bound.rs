@@ -19,7 +19,7 @@ const MAX_HALVINGS: i32 = 7;
 /// Iterations from the prediction follow a rotation better than those from the bound.
 pub(super) const MAX_STRAIN: f64 = 8.0;
 
-/// The same with one iteration, which alone does not turn the body as far as the prediction does.
+/// [`MAX_STRAIN`] for substeps of one iteration, which turns the body less than the prediction.
 pub(super) const MAX_STRAIN_ALONE: f64 = 100.0;
 
 impl Minimizer {
