@@ -117,7 +117,8 @@ const LIMITS: &str =
 impl Verdict {
     fn new(
         case: &Case,
-        (invariant, bound): (&'static str, f64),
+        invariant: &'static str,
+        bound: f64,
         values: impl Iterator<Item = (f64, String)>,
     ) -> Self {
         let (mut worst, mut at, mut runs) = (f64::NEG_INFINITY, String::new(), 0);
@@ -154,19 +155,19 @@ impl Case {
     #[must_use]
     pub fn verdicts(&self, runner: &Runner) -> Vec<Verdict> {
         let runs = (self.run)(runner);
-        let of = |(k, &invariant): (usize, &(&'static str, f64))| {
+        let of = |(k, &(invariant, bound)): (usize, &(&'static str, f64))| {
             let values = runs.iter().filter_map(|Run { at, found }| match found {
                 Ok(outcome) => outcome.values[k].map(|value| (value, at.clone())),
                 Err(error) => Some((f64::INFINITY, format!("{at}: {error}"))),
             });
-            Verdict::new(self, invariant, values)
+            Verdict::new(self, invariant, bound, values)
         };
         let mut verdicts: Vec<Verdict> = self.invariants.iter().enumerate().map(of).collect();
         let shares = runs.iter().filter_map(|Run { at, found }| {
             let LimitShare { part, of } = found.as_ref().ok()?.limits?;
             Some((part, format!("{at}: {of}")))
         });
-        let limits = Verdict::new(self, (LIMITS, 1.0), shares);
+        let limits = Verdict::new(self, LIMITS, 1.0, shares);
         verdicts.extend((limits.runs > 0).then_some(limits));
         verdicts
     }
@@ -231,7 +232,8 @@ mod tests {
             let values = run
                 .into_iter()
                 .map(|found| (found.unwrap_or(f64::NAN), String::new()));
-            Verdict::new(&CASE, CASE.invariants[0], values)
+            let (invariant, bound) = CASE.invariants[0];
+            Verdict::new(&CASE, invariant, bound, values)
         };
         assert!(!verdict(vec![]).passed(), "no run");
         assert!(verdict(vec![Ok(1.0)]).passed(), "at the bound");

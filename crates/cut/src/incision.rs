@@ -203,8 +203,9 @@ impl Incision {
             let width = PATH_WIDTH * self.local;
             let moved = self.pose.iter().zip(blade);
             let moved = moved.map(|(&p, &q)| (to_f64(q) - to_f64(p)).norm());
-            let since = (self.back.unwrap_or(0.0), moved.fold(0.0, f64::max));
-            if let Some(back) = self.path.find(surface, blade, since, width) {
+            let motion = moved.fold(0.0, f64::max);
+            let back = self.back.unwrap_or(0.0);
+            if let Some(back) = self.path.find(surface, blade, back, motion, width) {
                 self.pose.clear();
                 self.pose.extend_from_slice(blade);
                 self.back = Some(back);

@@ -229,19 +229,27 @@ fn weightless() -> SceneParams {
 }
 
 /// A piece of a body.
-type Part = (BodyId, u32);
+#[derive(Clone, Copy)]
+struct Part {
+    body: BodyId,
+    piece: u32,
+}
 
 /// Creates a scene of connected surfaces; returns it with the part that each surface is.
 fn grouped(
     backend: &BackendRequest,
     params: SceneParams,
-    (surfaces, grouping): (&[Surface], Grouping),
+    surfaces: &[Surface],
+    grouping: Grouping,
     material: &Material,
 ) -> Result<(Scene, Vec<Part>), SceneError> {
     let mut scene = Scene::with_backend(params, backend)?;
     let parts = match grouping {
         Grouping::Bodies => {
-            let add = |surface: &Surface| Ok((scene.add_body(surface.clone(), material)?, 0));
+            let add = |surface: &Surface| {
+                let body = scene.add_body(surface.clone(), material)?;
+                Ok(Part { body, piece: 0 })
+            };
             surfaces
                 .iter()
                 .map(add)
@@ -251,7 +259,7 @@ fn grouped(
             let body = scene.add_body(joined(surfaces), material)?;
             (0..)
                 .zip(surfaces)
-                .map(|(piece, _)| (body, piece))
+                .map(|(piece, _)| Part { body, piece })
                 .collect()
         }
     };
@@ -269,11 +277,11 @@ pub fn vertices_of(surface: &Surface, piece: u32) -> Vec<VertexId> {
 /// Pins the vertices of a part that are chosen by their positions, and returns them.
 fn pin(
     scene: &mut Scene,
-    (body, piece): Part,
+    part: Part,
     is_pinned: impl Fn(Vec3) -> bool,
 ) -> Result<Vec<VertexId>, SceneError> {
-    let (solver, surface) = scene.edit(body)?.solver_mut();
-    let mut vertices = vertices_of(surface, piece);
+    let (solver, surface) = scene.edit(part.body)?.solver_mut();
+    let mut vertices = vertices_of(surface, part.piece);
     vertices.retain(|&v| is_pinned(surface.position(v)));
     for &v in &vertices {
         solver.pin(surface, v)?;
@@ -282,9 +290,9 @@ fn pin(
 }
 
 /// Sets the velocity of a part [m/s].
-fn throw(scene: &mut Scene, (body, piece): Part, velocity: [f32; 3]) -> Result<(), SceneError> {
-    let (solver, surface) = scene.edit(body)?.solver_mut();
-    for v in vertices_of(surface, piece) {
+fn throw(scene: &mut Scene, part: Part, velocity: [f32; 3]) -> Result<(), SceneError> {
+    let (solver, surface) = scene.edit(part.body)?.solver_mut();
+    for v in vertices_of(surface, part.piece) {
         solver.set_velocity(v, velocity)?;
     }
     Ok(())

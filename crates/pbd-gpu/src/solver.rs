@@ -26,7 +26,7 @@ use crate::step::constants::StepConstants;
 use crate::step::island::{Island, IslandError};
 use crate::step::params::{SolverParams, StepStats};
 use crate::step::plan::StepPlan;
-use crate::step::prepare::{Touch, prepare, takes_global_step};
+use crate::step::prepare::{FrameInputs, prepare, takes_global_step};
 use crate::step::substeps::{Lengths, substeps};
 use incise_mesh::Surface;
 
@@ -198,7 +198,7 @@ impl Solver {
     /// [`StepError::SubstepTooShort`]; nothing is changed then.
     pub(crate) fn prepare(
         &mut self,
-        (dt, touch): (f32, Touch),
+        frame: FrameInputs,
         params: &SolverParams,
     ) -> Result<StepConstants, StepError> {
         let Self {
@@ -208,7 +208,6 @@ impl Solver {
             step,
             ..
         } = self;
-        let frame = (dt, touch);
         let constants = prepare(step, constraints, particles, material, frame, params)?;
         step.substeps = constants.substeps;
         Ok(constants)

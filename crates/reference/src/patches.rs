@@ -138,9 +138,8 @@ impl<'a> Goal<'a> {
             slope += by_motion * (off / compliance);
             matrix += by_motion * by_motion.transpose() / compliance;
         };
-        let at = (&*x, &center);
-        each_slope::<Edge, 2>(&model.stretch, &patch.stretch, at, is_in, &mut add);
-        each_slope::<Hinge, 4>(&model.bending, &patch.bending, at, is_in, &mut add);
+        each_slope::<Edge, 2>(&model.stretch, &patch.stretch, x, &center, is_in, &mut add);
+        each_slope::<Hinge, 4>(&model.bending, &patch.bending, x, &center, is_in, &mut add);
         let Some(factor) = matrix.cholesky() else {
             return;
         };
@@ -205,7 +204,8 @@ fn energy<K: Kind<N>, const N: usize>(
 fn each_slope<K: Kind<N>, const N: usize>(
     constraints: &Constraints<N>,
     which: &[usize],
-    (x, center): (&[Vector3<f64>], &Vector3<f64>),
+    x: &[Vector3<f64>],
+    center: &Vector3<f64>,
     is_in: impl Fn(usize) -> bool,
     add: &mut impl FnMut(Vector6<f64>, f64, f64),
 ) {

@@ -238,7 +238,8 @@ impl Body {
     /// The BVH must be refitted.
     pub(crate) fn cut(
         &mut self,
-        (number, blade): (usize, &Blade),
+        number: usize,
+        blade: &Blade,
         sweep: &Sweep,
         params: &CutParams,
         threads: Option<NonZeroUsize>,
@@ -306,8 +307,8 @@ impl Body {
                 cutter,
                 ..
             } = self;
-            let cut = (sweep, &outcome.delta);
-            spring_search.follow_cut(surface, solver, cutter, cut, threads)?;
+            let delta = &outcome.delta;
+            spring_search.follow_cut(surface, solver, cutter, sweep, delta, threads)?;
         }
         Ok(BodyCut {
             cut,
@@ -340,8 +341,8 @@ impl Body {
         self.solver.apply_delta(&mut self.surface, &delta)?;
         let (surface, bvh) = (&self.surface, self.cutter.bvh());
         self.spring_search.fill(surface, &mut self.solver, bvh)?;
-        let step = (params.dt, &params.solver);
-        let joined = (self.solver).join_after_undo(&mut self.surface, &pieces, step);
+        let (dt, params) = (params.dt, &params.solver);
+        let joined = (self.solver).join_after_undo(&mut self.surface, &pieces, dt, params);
         if joined != Ok(false) {
             self.stale = true;
             self.loose_bounds = None;

@@ -199,7 +199,7 @@ impl Scene {
         self.stats.detection += begin.elapsed();
         let results = self.cuts.len() + self.failed_cuts.len();
         for n in 0..self.near.len() {
-            self.cut_body((id, &blade), self.near[n], &sweep, &params)?;
+            self.cut_body(self.near[n], id, &blade, &sweep, &params)?;
         }
         if self.cuts.len() + self.failed_cuts.len() == results {
             self.stats.missed_sweeps += 1;
@@ -253,13 +253,14 @@ impl Scene {
     /// Cuts a body, whose CPU copy is up to date, along a sweep.
     fn cut_body(
         &mut self,
-        (id, blade): (BladeId, &Blade),
         i: usize,
+        id: BladeId,
+        blade: &Blade,
         sweep: &Sweep,
         params: &CutParams,
     ) -> Result<(), SceneError> {
         let threads = self.params.solver.threads;
-        let cut = |body: &mut Body| body.cut((id.index, blade), sweep, params, threads);
+        let cut = |body: &mut Body| body.cut(id.index, blade, sweep, params, threads);
         match self.cut_refitted(i, cut)? {
             Some(Ok(outcome)) if !outcome.is_miss() => {
                 self.cuts.push(SweepResult {

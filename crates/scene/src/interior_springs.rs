@@ -79,7 +79,8 @@ impl InteriorSpringSearch {
         surface: &mut Surface,
         solver: &mut Solver,
         cutter: &mut Cutter,
-        (sweep, delta): (&Sweep, &TopologyDelta),
+        sweep: &Sweep,
+        delta: &TopologyDelta,
         threads: Option<NonZeroUsize>,
     ) -> Result<(), ConstraintError> {
         self.without.clear();

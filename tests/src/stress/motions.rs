@@ -126,7 +126,7 @@ fn changing_compliance(runner: &mut Runner<'_>) {
             set.expect("a compliance");
             // A change puts energy in or takes it out: the budget begins after it.
             let (context, limits) = (format!("{soft:e} m/N"), Limits::above(0.0));
-            runner.watch(&mut body, (FRAME, &TEN_ITERATIONS), 10, limits, &context);
+            runner.watch(&mut body, FRAME, &TEN_ITERATIONS, 10, limits, &context);
         }
     }
 }
@@ -192,7 +192,7 @@ fn subnormal_compliances(runner: &mut Runner<'_>) {
         };
         let mut body = Body::on_ground(ball(1, 0.6), &material);
         let (context, limits) = (format!("{stretch:e} m/N"), Limits::above(0.0).within(3.0));
-        runner.watch(&mut body, (FRAME, &TEN_ITERATIONS), 60, limits, &context);
+        runner.watch(&mut body, FRAME, &TEN_ITERATIONS, 60, limits, &context);
         body.surface.positions().to_vec()
     };
     let rigid = dropped(0.0);
@@ -236,13 +236,7 @@ fn falls(runner: &mut Runner<'_>) {
             let mut body = Body::on_ground(falling(name), &material);
             let limits = Limits::above(0.0).within(5.0).recovering();
             let context = format!("{name}, {kind}");
-            runner.watch(
-                &mut body,
-                (FRAME, &TEN_ITERATIONS),
-                frames,
-                limits,
-                &context,
-            );
+            runner.watch(&mut body, FRAME, &TEN_ITERATIONS, frames, limits, &context);
         }
     }
 }

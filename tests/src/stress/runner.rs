@@ -33,7 +33,8 @@ impl Runner<'_> {
     pub(super) fn watch(
         &mut self,
         body: &mut Body,
-        (dt, params): (f32, &SolverParams),
+        dt: f32,
+        params: &SolverParams,
         frames: u32,
         limits: Limits,
         context: &str,

@@ -57,13 +57,7 @@ fn crushed_gain_nothing(runner: &mut Runner<'_>) {
             let mut body = Body::on_ground(crushed(shape, 2), &material);
             let context = format!("{shape}, {stretch:e} m/N");
             let limits = Limits::above(0.0);
-            runner.watch(
-                &mut body,
-                (FRAME, &TEN_ITERATIONS),
-                frames,
-                limits,
-                &context,
-            );
+            runner.watch(&mut body, FRAME, &TEN_ITERATIONS, frames, limits, &context);
         }
     }
 }
@@ -105,13 +99,7 @@ fn pushed_through(runner: &mut Runner<'_>) {
         assert_recovered(&rigid, &context);
         let mut elastic = Body::on_ground(surface, &elastic_shell(1e-6, 1e-3));
         let limits = Limits::above(0.0);
-        runner.watch(
-            &mut elastic,
-            (FRAME, &TEN_ITERATIONS),
-            600,
-            limits,
-            &context,
-        );
+        runner.watch(&mut elastic, FRAME, &TEN_ITERATIONS, 600, limits, &context);
         assert_recovered(&elastic, &context);
     }
 }
@@ -158,13 +146,7 @@ fn drop_all(runner: &mut Runner<'_>, surface: &Surface, limits: Limits, name: &s
     for (kind, material) in shells() {
         let mut body = Body::on_ground(surface.clone(), &material);
         let context = format!("{name}, {kind}");
-        runner.watch(
-            &mut body,
-            (FRAME, &TEN_ITERATIONS),
-            frames,
-            limits,
-            &context,
-        );
+        runner.watch(&mut body, FRAME, &TEN_ITERATIONS, frames, limits, &context);
     }
 }
 

@@ -149,7 +149,7 @@ impl Knife {
             let failed = scene.failed_cuts().iter().filter(|cut| cut.blade == id);
             let before = self.refusals.len();
             let at = f64::from(frame) * f64::from(scene.params.dt);
-            let failed = failed.filter_map(|cut| blade.refusal((frame, at), cut, bodies));
+            let failed = failed.filter_map(|cut| blade.refusal(frame, at, cut, bodies));
             self.refusals
                 .extend(failed.map(|failure| failure.to_string()));
             blade.is_refused |= self.refusals.len() > before;
@@ -226,12 +226,7 @@ impl Motion {
 impl Blade {
     /// Returns the failure of a cut of this blade in a frame, at a time \[s\]; none of one at its
     /// last pose.
-    fn refusal(
-        &self,
-        (frame, at): (u32, f64),
-        failed: &FailedCut,
-        bodies: &Bodies,
-    ) -> Option<Failure> {
+    fn refusal(&self, frame: u32, at: f64, failed: &FailedCut, bodies: &Bodies) -> Option<Failure> {
         let source = failed.error;
         match &self.motion {
             Motion::Plane { .. } => Some(Failure::SkippedCut {

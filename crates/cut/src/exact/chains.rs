@@ -178,7 +178,7 @@ impl Chains {
                 (ChainEnd::Node(node), _) => node,
                 (ChainEnd::Corner { .. }, None) => unreachable!("corners have a map"),
             });
-            self.add_chain(edit, at, sides, (edge, is_inverted), ends);
+            self.add_chain(edit, at, sides, edge, is_inverted, ends);
         }
     }
 
@@ -215,7 +215,8 @@ impl Chains {
         edit: &mut Edit<'_>,
         at: &Opening<'_>,
         sides: &mut Sides,
-        (edge, is_inverted): (u32, bool),
+        edge: u32,
+        is_inverted: bool,
         ends: [u32; 2],
     ) {
         let is_tip = !at.facets.edges()[edge as usize].is_crease();

@@ -36,7 +36,8 @@ impl Path {
         &self,
         surface: &Surface,
         blade: &[[f32; 3]],
-        (back, motion): (f64, f64),
+        back: f64,
+        motion: f64,
         width: f64,
     ) -> Option<f64> {
         let slots = surface.topology().vertex_slots();

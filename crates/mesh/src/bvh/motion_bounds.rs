@@ -167,7 +167,7 @@ impl MotionBounds {
         (self.root, self.all) = if bvh.nodes.is_empty() {
             (None, Motion::default())
         } else {
-            let (root, all) = self.find_below(bvh, (surface, displacements), 0);
+            let (root, all) = self.find_below(bvh, surface, displacements, 0);
             (Some(root), all)
         };
     }
@@ -186,12 +186,18 @@ impl MotionBounds {
     }
 
     /// Computes the bounds of a node and of all nodes below it.
-    fn find_below(&mut self, bvh: &Bvh, of: (&Surface, &[[f32; 3]]), at: u32) -> (Child, Motion) {
+    fn find_below(
+        &mut self,
+        bvh: &Bvh,
+        surface: &Surface,
+        displacements: &[[f32; 3]],
+        at: u32,
+    ) -> (Child, Motion) {
         let node = &bvh.nodes[at as usize];
         let found = if node.is_leaf() {
             (
                 Child::leaf(node.index),
-                self.find_leaf(bvh, of, node.index, node.count),
+                self.find_leaf(bvh, surface, displacements, node.index, node.count),
             )
         } else {
             // In the order of a traversal.
@@ -203,7 +209,7 @@ impl MotionBounds {
             self.quads.push(quad);
             let mut lane = 0;
             let mut add = |bounds: &mut Self, at| {
-                let (child, motion) = bounds.find_below(bvh, of, at);
+                let (child, motion) = bounds.find_below(bvh, surface, displacements, at);
                 quad.lanes.set(lane, &motion);
                 quad.children[lane] = child;
                 lane += 1;
@@ -229,7 +235,8 @@ impl MotionBounds {
     fn find_leaf(
         &mut self,
         bvh: &Bvh,
-        (surface, displacements): (&Surface, &[[f32; 3]]),
+        surface: &Surface,
+        displacements: &[[f32; 3]],
         block: u32,
         count: u8,
     ) -> Motion {

@@ -32,7 +32,7 @@ impl Bvh {
         reach: f64,
         counts: impl Fn(TriangleId) -> bool,
     ) -> Option<NearestPoint> {
-        self.nearest_below(surface, (to, reach), |_| true, counts)
+        self.nearest_below(surface, to, reach, |_| true, counts)
     }
 
     /// Returns the point nearest to `to` on the pieces for which `counts` is true.
@@ -49,7 +49,7 @@ impl Bvh {
     ) -> Option<NearestPoint> {
         let may_count = |at| bounds.piece_below(at).is_none_or(&counts);
         let of_piece = |t| counts(surface.piece(t));
-        self.nearest_below(surface, (to, f64::INFINITY), may_count, of_piece)
+        self.nearest_below(surface, to, f64::INFINITY, may_count, of_piece)
     }
 
     /// Returns the point nearest to `to` within `reach` \[m\].
@@ -58,7 +58,8 @@ impl Bvh {
     fn nearest_below(
         &self,
         surface: &Surface,
-        (to, reach): (Vec3, f64),
+        to: Vec3,
+        reach: f64,
         may_count: impl Fn(u32) -> bool,
         counts: impl Fn(TriangleId) -> bool,
     ) -> Option<NearestPoint> {

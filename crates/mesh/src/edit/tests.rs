@@ -114,7 +114,14 @@ fn patch(edit: &mut Edit<'_>, corners: [VertexId; 3], like: TriangleId) -> Trian
     t
 }
 
-fn step(edit: &mut Edit<'_>, gone: &mut Vec<(TriangleId, [VertexId; 3])>, (kind, at, other): Step) {
+/// Makes one step at the triangle that `at` picks; `other` is its second operand.
+fn step(
+    edit: &mut Edit<'_>,
+    gone: &mut Vec<(TriangleId, [VertexId; 3])>,
+    kind: u8,
+    at: u16,
+    other: u16,
+) {
     let Some(t) = pick(triangles(edit), at) else {
         return;
     };
@@ -152,7 +159,15 @@ fn step(edit: &mut Edit<'_>, gone: &mut Vec<(TriangleId, [VertexId; 3])>, (kind,
         2 => {
             edit.remove_triangle(t);
             let [a, b, c] = corners;
-            patch(edit, if other % 2 == 0 { [b, c, a] } else { corners }, t);
+            patch(
+                edit,
+                if other.is_multiple_of(2) {
+                    [b, c, a]
+                } else {
+                    corners
+                },
+                t,
+            );
         }
         // Flip an edge.
         3 => {
@@ -236,8 +251,8 @@ fn step(edit: &mut Edit<'_>, gone: &mut Vec<(TriangleId, [VertexId; 3])>, (kind,
 
 fn run(edit: &mut Edit<'_>, steps: &[Step]) {
     let mut gone = Vec::new();
-    for &s in steps {
-        step(edit, &mut gone, s);
+    for &(kind, at, other) in steps {
+        step(edit, &mut gone, kind, at, other);
     }
 }
 

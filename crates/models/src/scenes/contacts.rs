@@ -43,8 +43,8 @@ pub fn bars(
         stretch: Stiffness::Compliance(0.0),
         ..Material::soft_body()
     };
-    let surfaces = (&[lower, upper][..], grouping);
-    let (mut scene, parts) = grouped(backend, touching(), surfaces, &material)?;
+    let surfaces = [lower, upper];
+    let (mut scene, parts) = grouped(backend, touching(), &surfaces, grouping, &material)?;
     pin(&mut scene, parts[0], |_| true)?;
     Ok(scene.into())
 }
@@ -58,9 +58,8 @@ pub fn drape(backend: &BackendRequest, side: f64) -> Result<ScriptedScene, Scene
     let ball = icosphere(3, DRAPED);
     let mut cloth = sheet([1.6; 2], [40; 2]);
     place(&mut cloth, |p| Vec3::new(p.x, DRAPED + 0.1, -side * p.y));
-    let surfaces = (&[ball, cloth][..], Grouping::Bodies);
-    let params = touching();
-    let (mut scene, parts) = grouped(backend, params, surfaces, &Material::default())?;
+    let (surfaces, material) = ([ball, cloth], Material::default());
+    let (mut scene, parts) = grouped(backend, touching(), &surfaces, Grouping::Bodies, &material)?;
     pin(&mut scene, parts[0], |_| true)?;
     Ok(scene.into())
 }
@@ -77,9 +76,8 @@ pub fn block_on_plate(
     let plate = cuboid([1.0, PLATE, 1.0], [10, 1, 10]);
     let mut block = cuboid([0.2; 3], [3; 3]);
     place(&mut block, |p| p + Vec3::new(0.013, 0.15, 0.007));
-    let surfaces = (&[plate, block][..], grouping);
-    let params = touching();
-    let (mut scene, parts) = grouped(backend, params, surfaces, &Material::soft_body())?;
+    let (surfaces, material) = ([plate, block], Material::soft_body());
+    let (mut scene, parts) = grouped(backend, touching(), &surfaces, grouping, &material)?;
     pin(&mut scene, parts[0], |p| {
         p.x.abs() > 0.49 || p.z.abs() > 0.49
     })?;
@@ -117,8 +115,8 @@ pub fn tunnel(
         place(part, |p| p * scale);
     }
     let [_, speed, _] = to_f32(Vec3::repeat(10.0 * 2.0 * 3.0_f64.sqrt() * scale));
-    let surfaces = (&[plate, ball][..], Grouping::Pieces);
-    let (mut scene, parts) = grouped(backend, weightless(), surfaces, material)?;
+    let surfaces = [plate, ball];
+    let (mut scene, parts) = grouped(backend, weightless(), &surfaces, Grouping::Pieces, material)?;
     pin(&mut scene, parts[0], |_| true)?;
     throw(&mut scene, parts[1], [0.0, -speed, 0.0])?;
     Ok(scene.into())
@@ -148,8 +146,13 @@ pub fn closing(
     let bounds = surface.bounds();
     let middle = bounds.center();
     let size = f64::from(bounds.max[axis] - bounds.min[axis]);
-    let surfaces = (&[surface][..], Grouping::Bodies);
-    let (scene, _) = grouped(backend, weightless(), surfaces, material)?;
+    let (scene, _) = grouped(
+        backend,
+        weightless(),
+        &[surface],
+        Grouping::Bodies,
+        material,
+    )?;
     let close = move |scene: &mut Scene, frame: u32| {
         let away = size * plate_distance(f64::from(frame + 1) / 60.0);
         scene.colliders = [-1.0, 1.0]

@@ -1,7 +1,9 @@
 //! Bodies that blades cut: slices, slivers, a plate split in its plane, and a slit that gapes.
 
 use super::contacts::block;
-use super::{Directions, GROUND, Grouping, ScriptedScene, cuboid, grouped, touching, weightless};
+use super::{
+    Directions, GROUND, Grouping, Part, ScriptedScene, cuboid, grouped, touching, weightless,
+};
 use crate::{Model, build_model, place};
 use incise_cut::{CutError, CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, Vec3, VertexId, cube_sphere, icosphere};
@@ -51,9 +53,11 @@ fn sweep_once(scene: &mut Scene, sweep: &Sweep) -> Result<(), SceneError> {
 /// Adds one body; cuts all of its pieces along one random plane a frame.
 fn cut_at_random(
     backend: &BackendRequest,
-    (surface, material): (Surface, &Material),
     params: SceneParams,
-    (planes, seed): (u32, u64),
+    surface: Surface,
+    material: &Material,
+    planes: u32,
+    seed: u64,
 ) -> Result<ScriptedScene, SceneError> {
     let mut scene = Scene::with_backend(params, backend)?;
     let body = scene.add_body(surface, material)?;
@@ -74,8 +78,8 @@ fn cut_at_random(
 /// # Errors
 /// As [`Scene::with_backend`].
 pub fn slivers(backend: &BackendRequest, seed: u64) -> Result<ScriptedScene, SceneError> {
-    let body = (icosphere(2, 0.5), &Material::soft_body());
-    cut_at_random(backend, body, weightless(), (SLICING, seed))
+    let (ball, material) = (icosphere(2, 0.5), Material::soft_body());
+    cut_at_random(backend, weightless(), ball, &material, SLICING, seed)
 }
 
 /// Builds an undamped bunny that is cut along a random plane in each of the first frames of its
@@ -96,8 +100,8 @@ pub fn shatter(
         damping: 0.0,
         ..Material::soft_body()
     };
-    let body = (build_model(Model::Bunny), &material);
-    cut_at_random(backend, body, params, (SHATTERING, seed))
+    let bunny = build_model(Model::Bunny);
+    cut_at_random(backend, params, bunny, &material, SHATTERING, seed)
 }
 
 /// Builds a plate of 1 cm on the ground that a blade splits in its plane in the first frame.
@@ -111,8 +115,7 @@ pub fn split_plate(
     let mut plate = cuboid([1.0, 0.01, 1.0], [12, 1, 12]);
     place(&mut plate, |p| p + Vec3::new(0.0, 0.005, 0.0));
     let sweep = Sweep::from_plane([0.0, 1.0, 0.0], 0.0052, &plate.bounds());
-    let surfaces = (&[plate][..], Grouping::Bodies);
-    let (mut scene, _) = grouped(backend, touching(), surfaces, material)?;
+    let (mut scene, _) = grouped(backend, touching(), &[plate], Grouping::Bodies, material)?;
     scene.colliders.push(GROUND);
     sweep_once(&mut scene, &sweep.map_err(SceneError::Cut)?)?;
     Ok(scene.into())
@@ -204,7 +207,8 @@ pub fn slit_ball(
     };
     let mut scene = Scene::with_backend(params, backend)?;
     let body = scene.add_body(ball, material)?;
-    let ends = super::pin(&mut scene, (body, 0), |p| p.x.abs() > 0.8 * RADIUS)?;
+    let ball = Part { body, piece: 0 };
+    let ends = super::pin(&mut scene, ball, |p| p.x.abs() > 0.8 * RADIUS)?;
     let positions = scene.body(body)?.surface().positions();
     let start: Vec<(VertexId, [f32; 4])> =
         ends.iter().map(|&v| (v, positions[v.index()])).collect();
@@ -238,8 +242,7 @@ pub fn dropped(
         contacts,
         ..touching()
     };
-    let surfaces = (&[surface][..], Grouping::Bodies);
-    let mut scene = grouped(backend, params, surfaces, material)?.0;
+    let (mut scene, _) = grouped(backend, params, &[surface], Grouping::Bodies, material)?;
     scene.colliders.push(GROUND);
     Ok(scene.into())
 }

@@ -58,9 +58,8 @@ fn poured(count: u32) -> Vec<Surface> {
 /// # Errors
 /// As [`incise_scene::Scene::with_backend`].
 pub fn bowl(backend: &BackendRequest, count: u32) -> Result<ScriptedScene, SceneError> {
-    let parts = (&poured(count)[..], Grouping::Bodies);
-    let params = touching();
-    let (mut scene, _) = grouped(backend, params, parts, &Material::soft_body())?;
+    let (balls, material) = (poured(count), Material::soft_body());
+    let (mut scene, _) = grouped(backend, touching(), &balls, Grouping::Bodies, &material)?;
     let plane = |number| {
         let (foot, normal) = wall(number);
         Collider::Plane {
@@ -90,9 +89,8 @@ pub fn heap(
         surface
     };
     let surfaces: Vec<Surface> = (0..MODELS).zip(models.iter().cycle()).map(above).collect();
-    let params = touching();
-    let parts = (&surfaces[..], grouping);
-    let (mut scene, _) = grouped(backend, params, parts, &Material::soft_body())?;
+    let material = Material::soft_body();
+    let (mut scene, _) = grouped(backend, touching(), &surfaces, grouping, &material)?;
     scene.colliders.push(GROUND);
     Ok(scene.into())
 }

@@ -75,8 +75,8 @@ pub fn knot(backend: &BackendRequest) -> Result<(ScriptedScene, Rope), SceneErro
         }),
         ..weightless()
     };
-    let parts = (&[surface][..], Grouping::Bodies);
-    let (mut scene, parts) = grouped(backend, params, parts, &Material::soft_body())?;
+    let (material, grouping) = (Material::soft_body(), Grouping::Bodies);
+    let (mut scene, parts) = grouped(backend, params, &[surface], grouping, &material)?;
     let (first, last) = (curve[0], curve[curve.len() - 1]);
     let along = (last - first).normalize();
     let mut ends: Vec<(VertexId, Vec3, Vec3)> = Vec::new();
@@ -84,10 +84,10 @@ pub fn knot(backend: &BackendRequest) -> Result<(ScriptedScene, Rope), SceneErro
         let pinned = pin(&mut scene, parts[0], |p| {
             (p - end).norm() < 1.1 * Rope::RADIUS
         })?;
-        let surface = scene.body(parts[0].0)?.surface();
+        let surface = scene.body(parts[0].body)?.surface();
         ends.extend(pinned.into_iter().map(|v| (v, surface.position(v), way)));
     }
-    let body = parts[0].0;
+    let body = parts[0].body;
     let pull = move |scene: &mut Scene, frame: u32| {
         let pulled = (SPEED * f64::from(frame + 1) / 60.0).min(DISTANCE);
         for &(v, from, way) in &ends {

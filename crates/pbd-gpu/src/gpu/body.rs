@@ -257,21 +257,15 @@ impl DeviceBody {
         } else {
             OVERFLOW
         };
-        let set = (solver.stretch(), colors);
-        moved |= (self.stretch).update(context, entries, uploads, set, &changes.stretch)?;
-        if let Some(bending) = solver.bending() {
-            let set = (bending, colors);
-            moved |= (self.bending).update(context, entries, uploads, set, &changes.bending)?;
+        let (set, changed) = (solver.stretch(), &changes.stretch);
+        moved |= (self.stretch).update(context, entries, uploads, set, colors, changed)?;
+        if let Some(set) = solver.bending() {
+            let changed = &changes.bending;
+            moved |= (self.bending).update(context, entries, uploads, set, colors, changed)?;
         }
-        if let Some(interior_springs) = solver.interior_springs() {
-            let set = (interior_springs, colors);
-            moved |= (self.interior_springs).update(
-                context,
-                entries,
-                uploads,
-                set,
-                &changes.interior_springs,
-            )?;
+        if let Some(set) = solver.interior_springs() {
+            let (runs, changed) = (&mut self.interior_springs, &changes.interior_springs);
+            moved |= runs.update(context, entries, uploads, set, colors, changed)?;
         }
         let Constraints {
             patches,

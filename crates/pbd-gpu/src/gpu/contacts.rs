@@ -64,7 +64,8 @@ impl DeviceContacts {
         context: &Context,
         arenas: &mut Arenas,
         uploads: &mut Uploads,
-        (slot, set): (u32, &ContactSet),
+        slot: u32,
+        set: &ContactSet,
     ) -> Result<bool, GpuError> {
         if set.generation() == self.generation {
             return Ok(false);

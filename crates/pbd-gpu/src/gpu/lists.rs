@@ -62,8 +62,8 @@ impl DeviceBody {
         uploads: &mut Uploads,
         solver: &Solver,
     ) -> Result<bool, GpuError> {
-        let contacts = (self.slot, solver.contacts());
-        self.contacts.update(context, arenas, uploads, contacts)
+        let (slot, contacts) = (self.slot, solver.contacts());
+        (self.contacts).update(context, arenas, uploads, slot, contacts)
     }
 
     /// Uploads new colliders; returns true if the program must be rebuilt.

@@ -76,7 +76,8 @@ impl Runs {
         context: &Context,
         arena: &mut Arena,
         uploads: &mut Uploads,
-        (set, colors): (&ConstraintSet<N>, usize),
+        set: &ConstraintSet<N>,
+        colors: usize,
         changed: &[Slot],
     ) -> Result<bool, GpuError> {
         let count = set.batches().len().min(colors);

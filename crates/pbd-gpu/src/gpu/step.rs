@@ -14,7 +14,7 @@ use crate::error::StepError;
 use crate::solver::Solver;
 use crate::step::constants::StepConstants;
 use crate::step::params::SolverParams;
-use crate::step::prepare::Touch;
+use crate::step::prepare::FrameInputs;
 use crate::step::rounds::contact_rounds;
 use bytemuck::Zeroable;
 use wgpu::{BindGroup, ComputePass, ComputePassDescriptor};
@@ -56,14 +56,15 @@ impl GpuBackend {
         };
         let mut bodies: Vec<_> = bodies.into_iter().map(needed).collect();
         bodies.sort_by_key(|&(needed, ..)| needed);
-        let touch = |contact_rounds| Touch {
+        let inputs = |contact_rounds| FrameInputs {
+            dt,
             joins_pieces: false,
             contact_rounds,
             reaches_colliders: true,
         };
         let mut stats = GpuStats::default();
         if bodies.is_empty() {
-            self.submit_bodies(&mut [], (dt, touch(1)), params, &mut stats)?;
+            self.submit_bodies(&mut [], inputs(1), params, &mut stats)?;
         }
         for equal in bodies.chunk_by_mut(|a, b| a.0 == b.0) {
             let [substeps, contact_rounds] = equal[0].0;
@@ -71,8 +72,7 @@ impl GpuBackend {
                 substeps,
                 ..*params
             };
-            let touch = touch(contact_rounds);
-            self.submit_bodies(equal, (dt, touch), &params, &mut stats)?;
+            self.submit_bodies(equal, inputs(contact_rounds), &params, &mut stats)?;
         }
         self.stats = stats;
         Ok(&self.stats)
@@ -82,7 +82,7 @@ impl GpuBackend {
     fn submit_bodies(
         &mut self,
         bodies: &mut [([u32; 2], GpuBody, &mut Solver)],
-        (dt, touch): (f32, Touch),
+        inputs: FrameInputs,
         params: &SolverParams,
         stats: &mut GpuStats,
     ) -> Result<(), GpuError> {
@@ -95,7 +95,7 @@ impl GpuBackend {
             if prepared.is_err() {
                 break;
             }
-            let constants = match solver.prepare((dt, touch), params) {
+            let constants = match solver.prepare(inputs, params) {
                 Ok(constants) => constants,
                 Err(error) => {
                     prepared = Err(error.into());

@@ -16,27 +16,35 @@ pub(crate) const TOUCH: f32 = 2.0 * f32::EPSILON;
 /// Vertices that are tested without a branch.
 const BLOCK: usize = 16;
 
+/// Friction and time of a pass over colliders.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ColliderPass {
+    /// Coefficient of Coulomb friction.
+    pub(crate) friction: f32,
+    /// Length of the substep \[s\].
+    pub(crate) h: f32,
+    /// Time of the frame at the end of the substep \[s\].
+    pub(crate) time: f32,
+}
+
 /// Pushes vertices out of colliders at a time of the frame, one collider after the other.
 ///
 /// What is left of the friction of earlier passes also holds vertices that only touch a collider.
-/// The substep of `h` ends at `time` \[s\]. The fourth component of the velocity holds the
-/// remaining friction bound \[m\]; it is 0 before the first pass. Returns whether a vertex was in
-/// a collider.
+/// The fourth component of the velocity holds the remaining friction bound \[m\]; it is 0 before
+/// the first pass. Returns whether a vertex was in a collider.
 #[inline(never)]
 pub(crate) fn colliders(
     particles: ParticleStates<'_>,
     v: &mut [[f32; 4]],
     colliders: &[ColliderRecord],
-    friction: f32,
-    [h, time]: [f32; 2],
+    pass: ColliderPass,
 ) -> bool {
     let mut has_pushed = false;
     for c in colliders {
-        let at = (friction, [h, time]);
         has_pushed |= if c.kind == PLANE {
-            push_out_of_plane(particles, v, c, at)
+            push_out_of_plane(particles, v, c, pass)
         } else {
-            push_out(particles, v, c, |q, d| separation(q, d, c), at)
+            push_out(particles, v, c, |q, d| separation(q, d, c), pass)
         };
     }
     has_pushed
@@ -48,9 +56,9 @@ fn push_out_of_plane(
     particles: ParticleStates<'_>,
     v: &mut [[f32; 4]],
     plane: &ColliderRecord,
-    at: (f32, [f32; 2]),
+    pass: ColliderPass,
 ) -> bool {
-    let origin = plane.origin_at(at.1[1]);
+    let origin = plane.origin_at(pass.time);
     let mut has_pushed = false;
     for (cells, v) in particles.0.chunks(BLOCK).zip(v.chunks_mut(BLOCK)) {
         let mut is_near = false;
@@ -62,7 +70,7 @@ fn push_out_of_plane(
         if is_near {
             let block = ParticleStates(cells);
             let separation = |q, d| (height(q, d, plane), plane.extent);
-            has_pushed |= push_out(block, v, plane, separation, at);
+            has_pushed |= push_out(block, v, plane, separation, pass);
         }
     }
     has_pushed
@@ -75,18 +83,18 @@ fn push_out(
     v: &mut [[f32; 4]],
     collider: &ColliderRecord,
     separation: impl Fn([f32; 3], [f32; 3]) -> (f32, [f32; 3]),
-    (friction, [h, time]): (f32, [f32; 2]),
+    pass: ColliderPass,
 ) -> bool {
     let mut has_pushed = false;
-    let origin = collider.origin_at(time);
-    let dragged = collider.velocity.map(|c| c * h);
+    let origin = collider.origin_at(pass.time);
+    let dragged = collider.velocity.map(|c| c * pass.h);
     for (cell, v) in particles.iter().zip(v) {
         let ParticleState { x, mut d } = cell.get();
         let q = [0, 1, 2].map(|k: usize| x[k] - origin[k]);
         let (distance, n) = separation(q, [d[0], d[1], d[2]]);
         if touches(distance, q) && x[3] > 0.0 && (distance < 0.0 || v[3] > 0.0) {
             let depth = if distance < 0.0 { -distance } else { 0.0 };
-            push(&mut d, &mut v[3], n, depth, (friction, dragged));
+            push(&mut d, &mut v[3], n, depth, pass.friction, dragged);
             cell.set(ParticleState { x, d });
             has_pushed |= depth > 0.0;
         }
@@ -102,7 +110,8 @@ fn push(
     held: &mut f32,
     n: [f32; 3],
     depth: f32,
-    (friction, dragged): (f32, [f32; 3]),
+    friction: f32,
+    dragged: [f32; 3],
 ) {
     let relative = [0, 1, 2].map(|k: usize| d[k] - dragged[k]);
     let along = dot(relative, n);
@@ -298,7 +307,12 @@ mod tests {
 
     fn on_ground(x: &[[f32; 4]], d: &mut [[f32; 4]], v: &mut [[f32; 4]]) -> bool {
         let record = [Collider::ground(0.0).record().unwrap()];
-        on_arrays(x, d, |p| colliders(p, v, &record, 0.5, [0.1, 0.1]))
+        let pass = ColliderPass {
+            friction: 0.5,
+            h: 0.1,
+            time: 0.1,
+        };
+        on_arrays(x, d, |p| colliders(p, v, &record, pass))
     }
 
     #[test]
@@ -361,8 +375,13 @@ mod tests {
         let x = [[0.0, 0.0, 0.0, 1.0]];
         for (time, height) in [(0.25, 0.2), (1.0, 0.8)] {
             let (mut d, mut v) = ([[0.0; 4]], [[0.0; 4]]);
+            let pass = ColliderPass {
+                friction: 10.0,
+                h: 0.25,
+                time,
+            };
             on_arrays(&x, &mut d, |p| {
-                colliders(p, &mut v, &record, 10.0, [0.25, time]);
+                colliders(p, &mut v, &record, pass);
             });
             assert!((d[0][1] - height).abs() < 1e-6, "{d:?} after {time} s");
             assert!((d[0][0] - 0.2).abs() < 1e-6, "{d:?} moves with the floor");

@@ -25,7 +25,8 @@ use std::cell::Cell;
 pub(crate) fn contacts(
     particles: ParticleStates<'_>,
     carried: &[Cell<bool>],
-    (contacts, first): (&mut [ContactRecord], usize),
+    contacts: &mut [ContactRecord],
+    first: usize,
     facing: &[u32],
     planes: Planes<'_>,
 ) {
@@ -53,7 +54,7 @@ pub(crate) fn contacts(
         }
         let w = contact.weights;
         let shares = shares(w, p);
-        let free = inverse_mass((w, shares), [[1.0; 2]; 4]);
+        let free = inverse_mass(w, shares, [[1.0; 2]; 4]);
         // Vertices on a plane slide along it only.
         let parts = slides(w, n, p, planes).map(|slide| match slide {
             Some(along) if dot(along, along) < MIN_SLIDE => [0.0; 2],
@@ -63,7 +64,7 @@ pub(crate) fn contacts(
             }
             None => [1.0; 2],
         });
-        let weight = inverse_mass((w, shares), parts);
+        let weight = inverse_mass(w, shares, parts);
         let is_active = weight > 0.0;
         contact.is_active = u32::from(is_active);
         if !is_active {
@@ -162,7 +163,7 @@ fn slides(
 ///
 /// The parts of the vertices multiply their inverse masses, and their motion in the bound.
 #[inline(always)]
-fn inverse_mass((w, shares): ([f32; 4], [f32; 4]), parts: [[f32; 2]; 4]) -> f32 {
+fn inverse_mass(w: [f32; 4], shares: [f32; 4], parts: [[f32; 2]; 4]) -> f32 {
     let along = [0, 1, 2, 3].map(|i: usize| shares[i] * parts[i][0]);
     let [a, b, c, d] = [0, 1, 2, 3].map(|i: usize| shares[i].abs() * parts[i][1]);
     let weight = (w[0] * along[0] + w[1] * along[1]) + (w[2] * along[2] + w[3] * along[3]);
@@ -211,7 +212,7 @@ pub(crate) fn recover_contacts(
         let p = contact.vertices.map(|v| particles.get(v as usize));
         let (w, n) = (contact.weights, contact.normal);
         let shares = shares(w, p);
-        let free = inverse_mass((w, shares), [[1.0; 2]; 4]);
+        let free = inverse_mass(w, shares, [[1.0; 2]; 4]);
         let is_movable = free > 0.0;
         if !is_movable {
             continue;
@@ -224,7 +225,7 @@ pub(crate) fn recover_contacts(
             let stays = slides[i].is_some() || is_carried && w[i] * down > 0.0;
             if stays { 0.0 } else { 1.0 }
         });
-        let weight = inverse_mass((w, shares), rising.map(|part| [part; 2]));
+        let weight = inverse_mass(w, shares, rising.map(|part| [part; 2]));
         let (rising, weight) = if weight > 0.0 {
             (rising, weight)
         } else {

@@ -9,7 +9,7 @@ use crate::kernels::contacts::contacts as project_contacts;
 use crate::kernels::particle_state::ParticleStates;
 use crate::kernels::volume::{CHUNK, VolumeGradients, VolumeScratch};
 use crate::patches::content::PatchContent;
-use crate::step::constants::Projection;
+use crate::step::constants::{Projection, StepConstants};
 use crate::step::stage::{Stage, SteppedBody};
 use crate::step::sweep::{Kernel, PatchSweep, Sweep};
 use pulp::Arch;
@@ -69,9 +69,12 @@ pub(crate) fn sweep_patches(
     arch: Arch,
     particles: ParticleStates<'_>,
     patches: &mut [PatchContent],
-    (stretch, bending): (Projection, Projection),
+    constants: &StepConstants,
     is_back: bool,
 ) {
+    let &StepConstants {
+        stretch, bending, ..
+    } = constants;
     let count = patches.len();
     // The patches of a layer share no vertex and no constraint.
     let shared = Shared((particles, patches.as_mut_ptr()));
@@ -97,7 +100,8 @@ pub(crate) fn sweep_contacts(
     leader: &mut Leader<'_>,
     particles: ParticleStates<'_>,
     carried: &[Cell<bool>],
-    (contacts, facing): (&mut [ContactRecord], &[u32]),
+    contacts: &mut [ContactRecord],
+    facing: &[u32],
     planes: Planes<'_>,
 ) {
     let count = contacts.len();
@@ -113,7 +117,7 @@ pub(crate) fn sweep_contacts(
             unsafe { std::slice::from_raw_parts_mut(contacts.add(range.start), range.len()) };
         let place = |end: usize| facing.partition_point(|&i| (i as usize) < end);
         let facing = &facing[place(range.start)..place(range.end)];
-        project_contacts(particles, carried, (contacts, range.start), facing, planes);
+        project_contacts(particles, carried, contacts, range.start, facing, planes);
     });
 }
 

@@ -34,7 +34,8 @@ impl Solver {
         &mut self,
         surface: &mut Surface,
         pieces: &[Option<u32>],
-        (dt, params): (f32, &SolverParams),
+        dt: f32,
+        params: &SolverParams,
     ) -> Result<bool, StepError> {
         if !self.follow.is_late_undo() {
             return Ok(false);

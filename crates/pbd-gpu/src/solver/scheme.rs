@@ -14,7 +14,8 @@ impl Solver {
     /// Chooses the scheme of a frame of `dt` \[s\], by contacts, the size of the body and its past.
     pub(crate) fn choose_scheme(
         &mut self,
-        (surface, is_touched): (&Surface, bool),
+        surface: &Surface,
+        is_touched: bool,
         dt: f32,
         params: &SolverParams,
     ) -> Choice {

@@ -102,7 +102,7 @@ pub(crate) fn execute(
         };
         (member.first, member.stats) = (particles.len(), stats);
         member.meets_collider = false;
-        let body = SteppedBody::new((index, member), solver, surface);
+        let body = SteppedBody::new(index, member, solver, surface);
         let at_start = |&x: &[f32; 4]| ParticleState { x, d: [0.0; 4] };
         particles.extend(body.arrays.positions.iter().map(at_start));
         if body.is_large {
@@ -233,7 +233,7 @@ impl NullaryFnOnce for Frame<'_, '_, '_> {
                     for ends in stages.windows(2) {
                         // Contacts follow the projections of lengths in the first round only.
                         if number == 0 || ends[0].is_some() {
-                            self.run_stage((part, round), [ends[0], ends[1]], substep)?;
+                            self.run_stage(part, round, ends[0], ends[1], substep)?;
                         }
                         if let Some(pass) = ends[1] {
                             self.run_contacts(pass, substep);
@@ -262,8 +262,10 @@ impl Frame<'_, '_, '_> {
     /// Runs the passes of every body's plan in an open interval between two passes.
     fn run_stage(
         &mut self,
-        (part, round): (u32, Round),
-        [after, before]: [Option<Pass>; 2],
+        part: u32,
+        round: Round,
+        after: Option<Pass>,
+        before: Option<Pass>,
         substep: u32,
     ) -> Result<(), NonFinite> {
         let stage = Stage {
@@ -333,10 +335,10 @@ impl Frame<'_, '_, '_> {
                 let colors = self.contacts.colors.iter_mut().zip(&*self.facing);
                 for (color, (contacts, facing)) in colors.enumerate() {
                     if color == UNCOLORED {
-                        contacts::contacts(particles, carried, (contacts, 0), facing, planes);
+                        contacts::contacts(particles, carried, contacts, 0, facing, planes);
                     } else {
-                        let contacts = (&mut **contacts, &**facing);
-                        sweep_contacts(self.leader, particles, carried, contacts, planes);
+                        let leader = &mut *self.leader;
+                        sweep_contacts(leader, particles, carried, contacts, facing, planes);
                     }
                 }
             }

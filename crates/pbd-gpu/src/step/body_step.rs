@@ -5,6 +5,7 @@
 use crate::constraints::batches::{Batch, BatchId, ConstraintSet};
 use crate::kernels::bending::Bending;
 use crate::kernels::block::dispatch;
+use crate::kernels::colliders::ColliderPass;
 use crate::kernels::particle_state::ParticleStates;
 use crate::kernels::stretch::Stretch;
 use crate::kernels::volume::{self, Round, VolumeScratch};
@@ -41,7 +42,8 @@ pub(super) struct BodyStep<'a, 'b, 'c> {
 
 /// Projects a batch and returns its number of constraints; the overflow is projected serially.
 fn project_batch<K: Kernel<N>, const N: usize>(
-    (leader, arch): (&mut Leader<'_>, Arch),
+    leader: &mut Leader<'_>,
+    arch: Arch,
     particles: ParticleStates<'_>,
     set: Option<&mut ConstraintSet<N>>,
     batch: BatchId,
@@ -66,7 +68,8 @@ fn project_batch<K: Kernel<N>, const N: usize>(
 fn global_pass(
     particles: ParticleStates<'_>,
     body: &mut Body<'_>,
-    (constants, stats): (&StepConstants, &mut StepStats),
+    constants: &StepConstants,
+    stats: &mut StepStats,
     pass: Pass,
 ) {
     let sets = crate::global::EnergySets {
@@ -90,8 +93,15 @@ impl BodyStep<'_, '_, '_> {
     /// Projects the constraints of all patches of a layer, or their lengths in reverse order.
     pub(super) fn project_patches(&mut self, layer: usize, is_back: bool) {
         let patches = self.body.patches.of_layer_mut(layer);
-        let by = (self.constants.stretch, self.constants.bending);
-        sweep_patches(self.leader, self.arch, self.particles, patches, by, is_back);
+        let (leader, constants) = (&mut *self.leader, self.constants);
+        sweep_patches(
+            leader,
+            self.arch,
+            self.particles,
+            patches,
+            constants,
+            is_back,
+        );
         for patch in patches {
             self.stats.stretch_projections += patch.stretch.len() as u64;
             if !is_back {
@@ -140,29 +150,29 @@ impl BodyStep<'_, '_, '_> {
                 }
             }
             Pass::Project { kind, batch } | Pass::ProjectBack { kind, batch } => {
-                let team = (&mut **leader, *arch);
+                let (leader, arch) = (&mut **leader, *arch);
                 match kind {
                     ConstraintKind::Stretch => {
                         let (set, by) = (Some(&mut *body.stretch), constants.stretch);
                         stats.stretch_projections +=
-                            project_batch::<Stretch, 2>(team, particles, set, batch, by);
+                            project_batch::<Stretch, 2>(leader, arch, particles, set, batch, by);
                     }
                     ConstraintKind::Bending => {
                         let (set, by) = (body.bending.as_deref_mut(), constants.bending);
                         stats.bending_projections +=
-                            project_batch::<Bending, 4>(team, particles, set, batch, by);
+                            project_batch::<Bending, 4>(leader, arch, particles, set, batch, by);
                     }
                     ConstraintKind::InteriorSpring => {
                         let set = body.interior_springs.as_deref_mut();
                         let by = constants.interior_springs;
                         stats.interior_spring_projections +=
-                            project_batch::<Stretch, 2>(team, particles, set, batch, by);
+                            project_batch::<Stretch, 2>(leader, arch, particles, set, batch, by);
                     }
                 }
             }
             Pass::BeginGlobal | Pass::GlobalIteration => {
                 #[cfg(feature = "global")]
-                global_pass(particles, body, (constants, stats), pass);
+                global_pass(particles, body, constants, stats, pass);
             }
             // `Frame` projects the contacts of the island.
             Pass::ContactFeatures
@@ -188,9 +198,12 @@ impl BodyStep<'_, '_, '_> {
                 stats.max_substep_displacement = stats.max_substep_displacement.max(change);
             }
             Pass::CollidersBeforeVolumes | Pass::Colliders => {
-                let times = [constants.h, self.time];
-                *self.meets_collider |=
-                    colliders::colliders(particles, v, body.colliders, constants.friction, times);
+                let by = ColliderPass {
+                    friction: constants.friction,
+                    h: constants.h,
+                    time: self.time,
+                };
+                *self.meets_collider |= colliders::colliders(particles, v, body.colliders, by);
             }
             Pass::Integrate => match integrate::integrate(particles, v, constants.h) {
                 Some(change) => {

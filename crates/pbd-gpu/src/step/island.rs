@@ -13,7 +13,7 @@ use crate::step::backend::{NonFinite, StepScratch, execute};
 use crate::step::body::Body;
 use crate::step::constants::StepConstants;
 use crate::step::params::{Integrator, SolverParams, StepStats};
-use crate::step::prepare::{Touch, both_orders};
+use crate::step::prepare::{FrameInputs, both_orders};
 use crate::step::reach::{max_motion, reaches_colliders};
 use crate::step::rounds::contact_rounds;
 use crate::step::second_order::{Orders, add};
@@ -151,7 +151,8 @@ impl Island {
         let presses = bodies.iter().map(|(solver, _)| solver.contacts().press());
         let press = presses.fold(self.contacts.press(), Press::max);
         let h = dt / self.substeps as f32;
-        let touch = Touch {
+        let frame = FrameInputs {
+            dt,
             joins_pieces: self.contacts.joins_pieces(),
             contact_rounds: contact_rounds(h, press, params.gravity),
             reaches_colliders: true,
@@ -162,11 +163,11 @@ impl Island {
             ..*params
         };
         for (body, (solver, surface)) in bodies.iter_mut().enumerate() {
-            let touch = Touch {
+            let frame = FrameInputs {
                 reaches_colliders: reaches_colliders(solver, surface, reach, dt),
-                ..touch
+                ..frame
             };
-            let member = prepare_member(solver, surface, (dt, touch), params);
+            let member = prepare_member(solver, surface, frame, params);
             self.members
                 .push(member.map_err(|error| IslandError { body, error })?);
         }
@@ -188,7 +189,7 @@ impl Island {
         let is_touched = !self.contacts.is_empty();
         let (mut has_short_substeps, mut is_settling) = (false, false);
         for (solver, surface) in bodies {
-            let choice = solver.choose_scheme((surface, is_touched), dt, params);
+            let choice = solver.choose_scheme(surface, is_touched, dt, params);
             has_short_substeps |= choice == Choice::ShortSubsteps;
             is_settling |= choice == Choice::Settling;
         }
@@ -239,8 +240,7 @@ impl Island {
             Integrator::Bdf2 => {
                 sums.clear();
                 sums.resize(members.len(), StepStats::default());
-                let members = (&mut **members, &mut **sums);
-                run_second_order(bodies, members, (contacts, scratch), *substeps)
+                run_second_order(bodies, members, sums, contacts, *substeps, scratch)
             }
         };
         for ((solver, _), member) in bodies.iter_mut().zip(&*members) {
@@ -271,11 +271,11 @@ impl Island {
 fn prepare_member(
     solver: &mut Solver,
     surface: &Surface,
-    (dt, touch): (f32, Touch),
+    frame: FrameInputs,
     params: &SolverParams,
 ) -> Result<Member, StepError> {
     solver.check_step(surface)?;
-    let constants = solver.prepare((dt, touch), params)?;
+    let constants = solver.prepare(frame, params)?;
     let orders = both_orders(solver.material(), &constants, params);
     #[cfg(feature = "global")]
     {
@@ -294,7 +294,7 @@ fn prepare_member(
         first: 0,
         has_own_pins: false,
         has_volumes: !constraints.volumes.pieces().is_empty(),
-        reaches_colliders: touch.reaches_colliders,
+        reaches_colliders: frame.reaches_colliders,
         meets_collider: false,
         stats: StepStats::default(),
     })
@@ -303,9 +303,11 @@ fn prepare_member(
 /// Steps bodies by a frame with second order where their histories are valid.
 fn run_second_order(
     bodies: &mut [IslandBody<'_>],
-    (members, sums): (&mut [Member], &mut [StepStats]),
-    (contacts, scratch): (&mut ContactSet, &mut StepScratch),
+    members: &mut [Member],
+    sums: &mut [StepStats],
+    contacts: &mut ContactSet,
     substeps: u32,
+    scratch: &mut StepScratch,
 ) -> Result<(), NonFinite> {
     for ((solver, surface), member) in bodies.iter_mut().zip(&mut *members) {
         let (particles, constraints, step) = solver.step_parts();

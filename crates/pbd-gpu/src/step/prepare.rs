@@ -17,9 +17,11 @@ use crate::step::second_order::{Orders, SUBSTEP_RATIO};
 /// Decay time of the longest recent substep [lengths of that substep].
 const MEMORY: f32 = 10.0;
 
-/// Contacts and collisions of a body in a frame.
+/// Inputs of a frame of one body: its length, contacts and collisions.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Touch {
+pub(crate) struct FrameInputs {
+    /// Length of the frame \[s\].
+    pub(crate) dt: f32,
     /// Whether a contact joins two pieces.
     pub(crate) joins_pieces: bool,
     /// Rounds of contacts and volumes per iteration, more where heavy pieces press thin ones.
@@ -37,15 +39,15 @@ pub(crate) fn prepare(
     constraints: &mut Constraints,
     particles: &Particles,
     material: &Material,
-    (dt, touch): (f32, Touch),
+    frame: FrameInputs,
     params: &SolverParams,
 ) -> Result<StepConstants, StepError> {
-    let h = dt / params.substeps as f32;
+    let h = frame.dt / params.substeps as f32;
     let global = takes_global_step(step, params);
     // Stacked bodies come to rest only if the sweep over lengths is symmetric.
-    let sweeps_back = (touch.joins_pieces || constraints.contacts.joins_pieces()) && !global;
-    let contacts = (sweeps_back, touch.contact_rounds);
-    let mut constants = constants_of(material, h, (params.substeps, contacts), params);
+    let sweeps_back = (frame.joins_pieces || constraints.contacts.joins_pieces()) && !global;
+    let rounds = frame.contact_rounds;
+    let mut constants = constants_of(material, h, params.substeps, sweeps_back, rounds, params);
     constants.check()?;
     let pieces = constraints.volumes.pieces().iter();
     let max_volume = pieces.map(|piece| piece.rest().abs()).fold(0.0, f32::max);
@@ -53,9 +55,9 @@ pub(crate) fn prepare(
         return Err(StepError::SubstepTooShort { h });
     }
     if params.integrator == Integrator::Bdf2 {
-        constants_of(material, SUBSTEP_RATIO * h, (1, contacts), params).check()?;
+        constants_of(material, SUBSTEP_RATIO * h, 1, sweeps_back, rounds, params).check()?;
     }
-    constants.set_error_carryover(error_carryover(&mut step.longest_substep, dt, h));
+    constants.set_error_carryover(error_carryover(&mut step.longest_substep, frame.dt, h));
     let attachments =
         params.attachments && !particles.pins.is_empty() && material.stretch.is_rigid();
     let Constraints {
@@ -76,11 +78,11 @@ pub(crate) fn prepare(
         global,
         sweeps_back,
         iterations: params.iterations,
-        contact_rounds: touch.contact_rounds,
+        contact_rounds: rounds,
         pins: !particles.pins.is_empty(),
         volumes: !volumes.pieces().is_empty(),
         contacts: !contacts.is_empty(),
-        colliders: touch.reaches_colliders && !colliders.records().is_empty(),
+        colliders: frame.reaches_colliders && !colliders.records().is_empty(),
         multipliers: constants.accumulates_lambda(),
     };
     (step.plan).update(key, stretch, bending.as_ref(), interior_springs.as_ref());
@@ -121,8 +123,12 @@ pub(crate) fn both_orders(
     params: &SolverParams,
 ) -> Orders {
     let order = |h| {
-        let contacts = (constants.sweeps_back, constants.contact_rounds);
-        let mut order = constants_of(material, h, (1, contacts), params);
+        let &StepConstants {
+            sweeps_back,
+            contact_rounds,
+            ..
+        } = constants;
+        let mut order = constants_of(material, h, 1, sweeps_back, contact_rounds, params);
         order.stretch.error_carryover = constants.stretch.error_carryover;
         order.bending.error_carryover = constants.bending.error_carryover;
         order.interior_springs.error_carryover = constants.interior_springs.error_carryover;
@@ -139,7 +145,9 @@ pub(crate) fn both_orders(
 fn constants_of(
     material: &Material,
     h: f32,
-    (substeps, (sweeps_back, contact_rounds)): (u32, (bool, u32)),
+    substeps: u32,
+    sweeps_back: bool,
+    contact_rounds: u32,
     params: &SolverParams,
 ) -> StepConstants {
     let damping = 1.0 + material.damping * h;

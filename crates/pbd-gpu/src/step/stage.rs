@@ -33,7 +33,8 @@ pub(crate) struct SteppedBody<'a> {
 impl<'a> SteppedBody<'a> {
     /// Borrows the plan and the arrays of a member of an island.
     pub(crate) fn new(
-        (index, member): (usize, &'a mut Member),
+        index: usize,
+        member: &'a mut Member,
         solver: &'a mut Solver,
         surface: &'a mut Surface,
     ) -> Self {

@@ -83,11 +83,7 @@ pub(super) fn turned(advance: Advance<'_>) {
 }
 
 /// Returns the rest positions of a sheet that hangs by its upper row, with permuted vertices.
-fn at_rest(
-    advance: Advance<'_>,
-    (h, iterations): (f32, u32),
-    place: impl Fn(u32) -> u32,
-) -> Vec<Vec3> {
+fn at_rest(advance: Advance<'_>, h: f32, iterations: u32, place: impl Fn(u32) -> u32) -> Vec<Vec3> {
     const N: u32 = 4;
     let (points, faces) = sheet(N);
     let mut listed = points.clone();
@@ -119,16 +115,16 @@ fn max_distance(one: &[Vec3], other: &[Vec3]) -> f64 {
 /// 60 a second.
 pub(super) fn rest(advance: Advance<'_>) {
     let same = |v| v;
-    let mut settled = |way| at_rest(advance, way, same);
-    let first = settled((1.0 / 480.0, 100));
+    let mut settled = |h, iterations| at_rest(advance, h, iterations, same);
+    let first = settled(1.0 / 480.0, 100);
     let sag = -1.0 - first[22].y;
     assert!(sag > 0.01, "it sags by {sag} m");
-    let off = max_distance(&first, &settled((1.0 / 240.0, 100)));
+    let off = max_distance(&first, &settled(1.0 / 240.0, 100));
     assert!(off < 1e-4, "{off} m off by twice the step");
-    let coarse = settled((1.0 / 60.0, 100));
-    let off = max_distance(&coarse, &settled((1.0 / 60.0, 400)));
+    let coarse = settled(1.0 / 60.0, 100);
+    let off = max_distance(&coarse, &settled(1.0 / 60.0, 400));
     assert!(off < 1e-5, "{off} m off by four times the iterations");
-    let [far, near] = [coarse, settled((1.0 / 120.0, 100))].map(|p| max_distance(&first, &p));
+    let [far, near] = [coarse, settled(1.0 / 120.0, 100)].map(|p| max_distance(&first, &p));
     assert!(
         far > 3.0 * near,
         "{far} m off at 60 and {near} m at 120 a second"
@@ -136,11 +132,12 @@ pub(super) fn rest(advance: Advance<'_>) {
 }
 
 pub(super) fn order(advance: Advance<'_>) {
-    let way = (1.0 / 60.0, 400);
-    let first = at_rest(advance, way, |v| v);
+    let (h, iterations) = (1.0 / 60.0, 400);
+    let first = at_rest(advance, h, iterations, |v| v);
     for factor in [2, 7, 18] {
         // 25 vertices: a factor without 5 renames them.
-        let off = max_distance(&first, &at_rest(advance, way, |v| v * factor % 25));
+        let renamed = at_rest(advance, h, iterations, |v| v * factor % 25);
+        let off = max_distance(&first, &renamed);
         assert!(off < 1e-4, "{off} m off");
     }
 }

@@ -15,8 +15,8 @@ use std::cell::{Cell, RefCell};
 /// Random edits equal a full upload, undone edits restore pins, and many edits leak no memory.
 pub(crate) fn to_the_bit(context: Context) {
     for schedule in SCHEDULES {
-        for features in [with_most_features(), with_attachments()] {
-            edited_equals_uploaded(context.clone(), schedule, features);
+        for (material, params) in [with_most_features(), with_attachments()] {
+            edited_equals_uploaded(context.clone(), schedule, &material, &params);
         }
         undo_restores_pins(context.clone(), schedule);
         hundreds_of_deltas(context.clone(), schedule);
@@ -107,11 +107,12 @@ fn edit_both(twin: &mut CpuGpuPair, dice: &mut Random) {
 fn edited_equals_uploaded(
     context: Context,
     schedule: Schedule,
-    (material, params): (Material, SolverParams),
+    material: &Material,
+    params: &SolverParams,
 ) {
     let mut gpu = GpuBackend::from_context(context).expect("a device");
     let mut dice = Random::new(1);
-    let mut twin = CpuGpuPair::add(&mut gpu, sphere(2, [0.0; 3]), &material, schedule);
+    let mut twin = CpuGpuPair::add(&mut gpu, sphere(2, [0.0; 3]), material, schedule);
     let mut pulled = 0;
     for round in 0..30 {
         // A long frame, then short ones.
@@ -119,7 +120,7 @@ fn edited_equals_uploaded(
         // Now and then without attachments, where there were some.
         let params = SolverParams {
             attachments: params.attachments && round % 5 != 0,
-            ..params
+            ..*params
         };
         for _ in 0..=dice.below(4) {
             edit_both(&mut twin, &mut dice);

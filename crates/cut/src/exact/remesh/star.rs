@@ -43,7 +43,8 @@ impl Star {
         &mut self,
         cut: &Opened<'_, '_>,
         ring: &Ring,
-        (node, side): (u32, usize),
+        node: u32,
+        side: usize,
     ) -> bool {
         let surface = cut.edit.surface();
         self.is_on_boundary = true;

@@ -48,7 +48,7 @@ pub(super) fn meet(
         Shared::One {
             facet: k,
             triangle: j,
-        } => meet_at_tip(facets, i, k, (triangle, vertices[j]), j, &corners),
+        } => meet_at_tip(facets, i, k, triangle, vertices[j], j, &corners),
         Shared::Edge => None,
     }));
     Ok(())
@@ -98,14 +98,16 @@ fn meet_facet(
     })
 }
 
-/// Returns the segment in a triangle and a facet that have corner `j` and corner `k` in common.
+/// Returns the segment in a triangle and a facet that have `vertex`, their corners `j` and `k`, in
+/// common.
 ///
 /// It runs from there to the opposite side of one of them, if it is not a point.
 fn meet_at_tip(
     facets: &Facets,
     facet: u32,
     k: usize,
-    (triangle, vertex): (TriangleId, VertexId),
+    triangle: TriangleId,
+    vertex: VertexId,
     j: usize,
     corners: &[Vec3; 3],
 ) -> Option<Segment> {

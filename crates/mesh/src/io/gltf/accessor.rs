@@ -35,6 +35,13 @@ impl Items<'_> {
     }
 }
 
+/// Rows of `width` numbers, one after the other.
+pub(super) struct Rows {
+    pub(super) width: usize,
+    /// Shape \[rows, width\].
+    pub(super) values: Vec<f32>,
+}
+
 impl<'a> Accessors<'a> {
     /// Reads vectors of N numbers; normalized integers become fractions.
     pub(super) fn vectors<const N: usize>(
@@ -47,10 +54,10 @@ impl<'a> Accessors<'a> {
         Ok((0..items.count).map(row).collect())
     }
 
-    /// Reads rows of one to four numbers, and returns their width.
+    /// Reads rows of one to four numbers.
     ///
     /// Normalized integers become fractions. At most `most` numbers are read.
-    pub(super) fn rows(&self, number: usize, most: usize) -> Result<(usize, Vec<f32>), ParseError> {
+    pub(super) fn rows(&self, number: usize, most: usize) -> Result<Rows, ParseError> {
         let shapes = [("SCALAR", 1), ("VEC2", 2), ("VEC3", 3), ("VEC4", 4)];
         let items = self.items(number, &shapes)?;
         let width = items.components;
@@ -59,7 +66,8 @@ impl<'a> Accessors<'a> {
         }
         let rows = (0..items.count).flat_map(|i| (0..width).map(move |k| (i, k)));
         let numbers = rows.map(|(i, k)| round_to_f32(items.number(i, k)));
-        Ok((width, numbers.collect()))
+        let values = numbers.collect();
+        Ok(Rows { width, values })
     }
 
     /// Reads integers of 8, 16 or 32 bits.

@@ -3,7 +3,7 @@
 //! `COLOR_0` is the channel `color`, `COLOR_N` is `colorN`, `TEXCOORD_N` is `uvN`, `_NAME` is
 //! `NAME`. `JOINTS_0` and `WEIGHTS_0` together are `skin`, with which further sets are merged.
 
-use super::accessor::Accessors;
+use super::accessor::{Accessors, Rows};
 use super::document::Primitive;
 use crate::io::build::Builder;
 use crate::io::data::Warning;
@@ -39,7 +39,7 @@ pub(super) fn read_channels(
                 (Some(&joints), Some(&weights)) => {
                     let sets = [joints, weights].map(|at| accessors.rows(at, left));
                     let [joints, weights] = sets;
-                    merge(&mut skin, joints?, weights?, count)
+                    merge(&mut skin, &joints?, &weights?, count)
                 }
                 _ => false,
             };
@@ -52,24 +52,20 @@ pub(super) fn read_channels(
             Some(channel) => Some((channel, accessors.rows(accessor, left)?)),
             None => None,
         };
-        let is_read = rows.is_some_and(|((name, domain), (width, values))| {
-            values.len() == count * width
-                && add_rows(
-                    builder,
-                    (&name, domain, Blend::Linear),
-                    first,
-                    width,
-                    &values,
-                )
+        let is_read = rows.is_some_and(|((name, domain), rows)| {
+            rows.values.len() == count * rows.width
+                && add_rows(builder, &name, domain, Blend::Linear, first, &rows)
         });
         if !is_read {
             builder.warnings.push(Warning::dropped(name.as_bytes()));
         }
     }
     if !skin.is_empty() {
-        let values: Vec<f32> = skin.iter().flat_map(|row| row[..SKIN].to_vec()).collect();
-        let channel = ("skin", Domain::Vertex, Blend::Skin);
-        if !add_rows(builder, channel, first, SKIN, &values) {
+        let rows = Rows {
+            width: SKIN,
+            values: skin.iter().flat_map(|row| row[..SKIN].to_vec()).collect(),
+        };
+        if !add_rows(builder, "skin", Domain::Vertex, Blend::Skin, first, &rows) {
             builder.warnings.push(Warning::dropped(b"JOINTS_0"));
         }
     }
@@ -79,20 +75,13 @@ pub(super) fn read_channels(
 /// Adds a set of joints and weights to the rows of earlier sets; returns whether it fits.
 ///
 /// The largest four weights remain. A single set keeps every bit.
-fn merge(
-    skin: &mut Vec<Row>,
-    (width, joints): (usize, Vec<f32>),
-    (of_weights, weights): (usize, Vec<f32>),
-    count: usize,
-) -> bool {
-    if [width, of_weights] != [SKIN / 2; 2] || [joints.len(), weights.len()] != [4 * count; 2] {
+fn merge(skin: &mut Vec<Row>, joints: &Rows, weights: &Rows, count: usize) -> bool {
+    let fits = |rows: &Rows| rows.width == SKIN / 2 && rows.values.len() == 4 * count;
+    if !fits(joints) || !fits(weights) {
         return false;
     }
-    let sets = joints
-        .as_chunks::<4>()
-        .0
-        .iter()
-        .zip(weights.as_chunks::<4>().0);
+    let [joints, weights] = [joints, weights].map(|rows| rows.values.as_chunks::<4>().0);
+    let sets = joints.iter().zip(weights);
     let rows = sets.map(|(joints, weights)| {
         let mut row = Row::default();
         row[..4].copy_from_slice(joints);
@@ -112,16 +101,17 @@ fn merge(
 /// Adds rows of the positions from number `first`; returns whether the channel fits.
 fn add_rows(
     builder: &mut Builder,
-    (name, domain, blend): (&str, Domain, Blend),
+    name: &str,
+    domain: Domain,
+    blend: Blend,
     first: usize,
-    width: usize,
-    values: &[f32],
+    rows: &Rows,
 ) -> bool {
     let channels = &mut builder.channels;
-    let Some(channel) = channels.vertex_channel(name, domain, blend, width, first) else {
+    let Some(channel) = channels.vertex_channel(name, domain, blend, rows.width, first) else {
         return false;
     };
-    for (i, row) in values.chunks(width).enumerate() {
+    for (i, row) in rows.values.chunks(rows.width).enumerate() {
         channels.add_vertex_row(channel, first + i, row);
     }
     true

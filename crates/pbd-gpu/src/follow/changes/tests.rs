@@ -101,7 +101,9 @@ fn edit(
     solver: &mut Solver,
     surface: &mut Surface,
     undos: &mut Vec<Undo>,
-    (kind, at, t): (u8, usize, f32),
+    kind: u8,
+    at: usize,
+    t: f32,
 ) {
     let topology = surface.topology();
     let half_edges: Vec<HalfEdge> = topology
@@ -178,7 +180,7 @@ proptest! {
                 mirror.follow(&changes, &solver, &surface);
                 prop_assert!(mirror == Mirror::whole(&solver, &surface));
             }
-            edit(&mut solver, &mut surface, &mut undos, (kind, usize::from(at), t));
+            edit(&mut solver, &mut surface, &mut undos, kind, usize::from(at), t);
         }
     }
 }

@@ -44,9 +44,20 @@ fn targets(shape: &Shape, z: f64) -> Vec<f64> {
     lengths
 }
 
-/// Returns a section bounded by one or two curves with `lobes` waves and even edges.
-fn waved(n: usize, (lobes, depth, phase): (f64, f64, f64), hole: bool) -> Shape {
-    let depth = depth / lobes;
+/// A cosine around a circle, which changes the radius.
+struct Waves {
+    /// Number of periods.
+    lobes: f64,
+    /// Amplitude times the number of periods [radii].
+    depth: f64,
+    /// Angle [rad].
+    phase: f64,
+}
+
+/// Returns a section bounded by one or two curves with waves and even edges.
+fn waved(n: usize, waves: &Waves, hole: bool) -> Shape {
+    let &Waves { lobes, phase, .. } = waves;
+    let depth = waves.depth / lobes;
     let mut shape = Shape::default();
     shape.add(even(n, |a| 1.0 + depth * (lobes * a + phase).cos()));
     if hole {
@@ -62,7 +73,14 @@ fn waved(n: usize, (lobes, depth, phase): (f64, f64, f64), hole: bool) -> Shape 
 /// Sections of [`waved`] with at least `min_points` points.
 fn any_waved(min_points: usize) -> impl Strategy<Value = Shape> {
     let waves = ((1u32..6).prop_map(f64::from), 0.0f64..0.3, 0.0f64..TAU);
-    (min_points..200, waves, any::<bool>()).prop_map(|(n, waves, hole)| waved(n, waves, hole))
+    (min_points..200, waves, any::<bool>()).prop_map(|(n, (lobes, depth, phase), hole)| {
+        let waves = Waves {
+            lobes,
+            depth,
+            phase,
+        };
+        waved(n, &waves, hole)
+    })
 }
 
 /// Returns a circle with even edges, the first of which is split in the ratio `part`.
@@ -107,36 +125,56 @@ fn narrow_sections_have_few_small_angles() -> Result<(), RefineError> {
     for (n, waves, hole, z) in [
         (
             23,
-            (1.0, 0.173_502_854_708_146_36, 1.703_371_917_034_840_5),
+            Waves {
+                lobes: 1.0,
+                depth: 0.173_502_854_708_146_36,
+                phase: 1.703_371_917_034_840_5,
+            },
             false,
             2.0,
         ),
         (
             22,
-            (5.0, 0.289_888_043_804_137_6, 3.236_763_338_755_499),
+            Waves {
+                lobes: 5.0,
+                depth: 0.289_888_043_804_137_6,
+                phase: 3.236_763_338_755_499,
+            },
             false,
             2.0,
         ),
         (
             20,
-            (4.0, 0.208_647_974_053_864_76, 3.194_041_280_048_085),
+            Waves {
+                lobes: 4.0,
+                depth: 0.208_647_974_053_864_76,
+                phase: 3.194_041_280_048_085,
+            },
             true,
             1.0 / 1.5,
         ),
         (
             37,
-            (1.0, 0.071_649_555_957_333_98, 4.176_273_814_134_402),
+            Waves {
+                lobes: 1.0,
+                depth: 0.071_649_555_957_333_98,
+                phase: 4.176_273_814_134_402,
+            },
             true,
             2.0,
         ),
         (
             39,
-            (4.0, 0.009_681_685_653_645_284, 2.694_134_393_690_991),
+            Waves {
+                lobes: 4.0,
+                depth: 0.009_681_685_653_645_284,
+                phase: 2.694_134_393_690_991,
+            },
             true,
             2.0,
         ),
     ] {
-        let angles = measure(&waved(n, waves, hole), z)?.angles;
+        let angles = measure(&waved(n, &waves, hole), z)?.angles;
         let [smallest, few] = [0, angles.len() / 20].map(|i| angles[i]);
         assert!(
             smallest >= 20.0 && few >= 30.0,
