@@ -53,7 +53,7 @@ Examples:
 
 JSON report (--json): input, output, level, fair, triangles_before, warnings, left_open, vertices,
 triangles, closed, area, volume, seconds, and for each of the holes rim_edges, at, triangles,
-inserted_vertices, planar, faired, self_crossing, flat_triangles, slivers, min_angle_deg,
+inserted_vertices, planar, faired, self_intersecting, flat_triangles, slivers, min_angle_deg,
 median_angle_deg, mean_edge, target.";
 
 /// The report as JSON.
@@ -126,7 +126,7 @@ struct Hole {
     planar: bool,
     faired: bool,
     /// Whether the patch intersects itself.
-    self_crossing: bool,
+    self_intersecting: bool,
     /// Patch triangles without area.
     flat_triangles: usize,
     /// Other patch triangles with an angle below 5 degrees.
@@ -233,7 +233,7 @@ impl Hole {
             inserted_vertices: hole.new_vertices,
             planar: hole.planar,
             faired: hole.faired,
-            self_crossing: hole.self_intersecting,
+            self_intersecting: hole.self_intersecting,
             flat_triangles: hole.flat_triangles,
             slivers: hole.slivers,
             min_angle_deg: hole.angles.min,
@@ -263,7 +263,7 @@ fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
             counted(hole.triangles, "triangle"),
             if hole.planar { ", planar" } else { "" },
             if hole.faired { ", faired" } else { "" },
-            if hole.self_crossing {
+            if hole.self_intersecting {
                 ", intersects itself"
             } else {
                 ""

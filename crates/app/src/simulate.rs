@@ -4,7 +4,6 @@
 
 mod bodies;
 mod export;
-mod knife;
 mod options;
 mod output;
 #[cfg(feature = "gpu")]
@@ -12,6 +11,7 @@ mod pictures;
 mod recording;
 mod report;
 mod scene_file;
+mod scheduled_cuts;
 
 pub(crate) use scene_file::SceneFileError;
 
@@ -24,12 +24,12 @@ use clap::ValueEnum;
 use incise_mesh::Surface;
 use incise_pbd_gpu::Material;
 use incise_scene::{BackendChoice, BackendRequest, Scene, SceneParams};
-use knife::Knife;
 use options::SceneOptions;
 use output::SimulateOutput;
 use recording::Recording;
 use report::{PieceOfBody, Report, Times, print};
 use scene_file::SceneFile;
+use scheduled_cuts::ScheduledCuts;
 use serde::Deserialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -70,7 +70,7 @@ Examples:
       --volume --interior-springs 1 --plane 1,0,0.1,0 --at 0.2 --plane 0,0.1,1,0 --at 0.4 -o pieces
 
 JSON report (--json): inputs (file and warnings of each), backend, device, fallback_reason, frames,
-dt, iterations, substeps, hits, refused_cuts and missed_cuts (a message for every cut that
+dt, iterations, substeps, hits, failed_cuts and missed_cuts (a message for every cut that
 could not be made, and for every plane and blade that hit nothing), steps, cutting_steps (with
 --path, else null: motions of the blade, and those that cut), pieces (body, which is the index of
 its input, file, vertices, triangles, area, volume, cavity, boundary_edges and euler_characteristic
@@ -111,7 +111,7 @@ pub(crate) fn run(
 ) -> Result<(), Failure> {
     let file = arguments.scene_file()?;
     file.check_frames()?;
-    let mut knife = Knife::new(&file)?;
+    let mut cuts = ScheduledCuts::new(&file)?;
     let materials = file.bodies.iter().map(|body| file.material(body));
     let materials = materials.collect::<Result<Vec<Material>, _>>()?;
     let (inputs, surfaces) = bodies::read(&file)?;
@@ -135,7 +135,7 @@ pub(crate) fn run(
             &file,
             &mut scene,
             &bodies,
-            &mut knife,
+            &mut cuts,
             &mut recording,
             reporter,
         )?;
@@ -159,22 +159,22 @@ pub(crate) fn run(
             reporter.warn(format_args!("{}: {warning}", path.display()));
         }
     }
-    let is_on_device = (bodies.ids().iter()).any(|id| backend.gpu_bodies.contains(id));
+    let is_on_gpu = (bodies.ids().iter()).any(|id| backend.gpu_bodies.contains(id));
     let of_body = |(body, piece)| PieceOfBody { body, piece };
     let report = Report {
         inputs,
         backend: backend.choice.name(),
-        device: backend.adapter.filter(|_| is_on_device),
+        device: backend.adapter.filter(|_| is_on_gpu),
         fallback_reason: backend.fallback_reason.map(|reason| reason.to_string()),
         frames: file.frames(),
         dt: file.dt,
         iterations: params.solver.iterations,
         substeps: params.solver.substeps,
-        hits: (!knife.is_empty()).then_some(knife.hits),
-        refused_cuts: knife.refusals.clone(),
-        missed_cuts: knife.misses().collect(),
-        steps: knife.steps(),
-        cutting_steps: knife.cutting_steps(),
+        hits: (!cuts.is_empty()).then_some(cuts.hits),
+        failed_cuts: cuts.refusals.clone(),
+        missed_cuts: cuts.misses().collect(),
+        steps: cuts.steps(),
+        cutting_steps: cuts.cutting_steps(),
         pieces: written.pieces.into_iter().map(of_body).collect(),
         #[cfg(feature = "gpu")]
         pictures,
@@ -185,17 +185,17 @@ pub(crate) fn run(
         },
     };
     reporter.report(&report, print)?;
-    if knife.is_empty() {
+    if cuts.is_empty() {
         return Ok(());
     }
-    if knife.hits == 0 && !knife.refusals.is_empty() {
+    if cuts.hits == 0 && !cuts.refusals.is_empty() {
         let path = bodies.all_paths();
         return Err(Failure::NoCut { path });
     }
-    if knife.hits == 0 {
+    if cuts.hits == 0 {
         return Err(Failure::Missed {
             path: bodies.all_paths(),
-            bounds: knife.bounds_at_start,
+            bounds: cuts.bounds_at_start,
             output: "the files hold the uncut bodies",
         });
     }
@@ -265,27 +265,27 @@ fn step(
     file: &SceneFile,
     scene: &mut Scene,
     bodies: &Bodies,
-    knife: &mut Knife,
+    cuts: &mut ScheduledCuts,
     recording: &mut Recording,
     reporter: &Reporter<impl Write>,
 ) -> Result<(), Failure> {
     let frames = file.frames();
     let a_second = file.frame_at(1.0).clamp(1, frames);
     let progress = reporter.progress(frames.div_ceil(a_second), a_second);
-    recording.record(0, scene, bodies, knife)?;
+    recording.record(0, scene, bodies, cuts)?;
     for frame in 0..frames {
         if frame % a_second == 0 {
             progress.begin(&format!("from {:.3} s", f64::from(frame) * file.dt));
         }
-        knife.before_frame(frame, scene, bodies)?;
+        cuts.before_frame(frame, scene, bodies)?;
         let stepped = scene.step().map(|stats| stats.fell_back);
         if stepped.map_err(|source| bodies.failed(source))? {
             progress.suspend(|| warn_of_fallback(scene, reporter));
         }
-        for refusal in knife.after_frame(frame, scene, bodies)? {
+        for refusal in cuts.after_frame(frame, scene, bodies)? {
             progress.suspend(|| reporter.warn(refusal));
         }
-        recording.record(frame + 1, scene, bodies, knife)?;
+        recording.record(frame + 1, scene, bodies, cuts)?;
         progress.step();
     }
     progress.end();

@@ -20,7 +20,9 @@ pub use constraints::attachments::LongRangeAttachment;
 pub use constraints::batches::{Batch, BatchId, BendingSet, ConstraintSet, StretchSet};
 pub use constraints::colliders::{Collider, MovingCollider};
 pub use constraints::coloring::{LAYERS, MAX_COLORS};
-pub use constraints::contacts::{Carried, Contact, ContactKind, ContactSet, Held, Press};
+pub use constraints::contacts::{
+    Contact, ContactKind, ContactSet, FrictionAnchor, LoadRatio, SupportedSide,
+};
 pub use constraints::volumes::{PieceVolume, VolumeSet};
 pub use error::{ConstraintError, InvalidConstraints, StepError};
 #[cfg(feature = "serde")]

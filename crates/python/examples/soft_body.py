@@ -18,7 +18,7 @@ def main() -> None:
     blade = scene.add_blade(edge)
     for frame in range(60):
         if frame == 10:
-            scene.set_blade(blade, edge - [0.0, 3.0, 0.0])
+            scene.move_blade(blade, edge - [0.0, 3.0, 0.0])
         stats = scene.step()
         if stats.cuts or frame % 20 == 19:
             height = scene.positions(body)[:, 1].mean()

@@ -55,7 +55,7 @@ pub(crate) fn of_fill<'py>(py: Python<'py>, report: &FillReport) -> PyResult<Bou
         }
         for (key, is_true) in [
             ("planar", hole.planar),
-            ("self_crossing", hole.self_intersecting),
+            ("self_intersecting", hole.self_intersecting),
         ] {
             out.set_item(key, is_true)?;
         }

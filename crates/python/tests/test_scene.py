@@ -49,7 +49,7 @@ def test_a_blade_cuts_a_body_in_motion(sphere: incise.Mesh) -> None:
     blade = scene.add_blade(edge(-2))
     assert scene.step().cuts == 0
     before = scene.volume(body)
-    scene.set_blade(blade, edge(2))
+    scene.move_blade(blade, edge(2))
     stats = scene.step()
     assert (stats.cuts, stats.missed_sweeps, stats.failed_cuts) == (1, 0, 0)
     assert scene.piece_numbers(body) == [0, 1]
@@ -70,7 +70,7 @@ def test_scenes_repeat_their_bits_on_any_number_of_threads(bunny: incise.Mesh) -
         body = scene.add_body(bunny)
         blade = scene.add_blade(edge(-2))
         for x in (-2, 2, 2):
-            scene.set_blade(blade, edge(x))
+            scene.move_blade(blade, edge(x))
             scene.step()
         return scene.positions(body).tobytes()
 
@@ -81,7 +81,7 @@ def test_a_failed_cut_is_reported(sphere: incise.Mesh) -> None:
     scene = incise.Scene(gravity=(0, 0, 0))
     body = scene.add_body(sphere)
     blade = scene.add_blade(edge(-2), "full-slices")
-    scene.set_blade(blade, edge(0.01))
+    scene.move_blade(blade, edge(0.01))
     assert scene.step().failed_cuts == 1
     [(failed_blade, failed_body, reason)] = scene.failed_cuts
     assert (failed_blade, failed_body) == (blade, body)
@@ -93,7 +93,7 @@ def test_a_blade_may_stop_inside_and_go_on(sphere: incise.Mesh) -> None:
     body = scene.add_body(sphere)
     blade = scene.add_blade(edge(-2))
     for x, pieces in ((0.01, 1), (2.0, 2)):
-        scene.set_blade(blade, edge(x))
+        scene.move_blade(blade, edge(x))
         assert scene.step().cuts == 1
         assert len(scene.piece_numbers(body)) == pieces
 
@@ -198,7 +198,7 @@ def test_unknown_numbers_are_refused(sphere: incise.Mesh) -> None:
     scene = incise.Scene()
     for call in (
         lambda: scene.positions(0),
-        lambda: scene.set_blade(0, edge(0)),
+        lambda: scene.move_blade(0, edge(0)),
         lambda: scene.set_blade_face(0, None),
     ):
         with pytest.raises(incise.SceneError, match="does not exist"):

@@ -24,7 +24,7 @@ def ground(height: float) -> Any:
 
 def slice_body(scene: incise.Scene, blade: int, y: float) -> None:
     scene.teleport_blade(blade, edge(-2, y))
-    scene.set_blade(blade, edge(2, y))
+    scene.move_blade(blade, edge(2, y))
     assert scene.step().cuts == 1
 
 
@@ -64,7 +64,7 @@ def test_a_removed_body_is_gone_and_the_others_keep_their_numbers(sphere: incise
     scene = incise.Scene(gravity=(0, 0, 0))
     first, second = scene.add_body(sphere), scene.add_body(sphere)
     blade = scene.add_blade(edge(-2))
-    scene.set_blade(blade, edge(2))
+    scene.move_blade(blade, edge(2))
     assert scene.step().cuts == 2
     scene.remove_body(first)
     assert scene.bodies == [second] and scene.undo_count() == 1
@@ -155,7 +155,7 @@ def test_a_loaded_scene_goes_on_with_the_same_bits(bunny: incise.Mesh) -> None:
     others = [incise.Scene.load(scene.save()), copy.deepcopy(scene)]
     others.append(pickle.loads(pickle.dumps(scene)))
     for each in (scene, *others):
-        each.set_blade(blade, edge(-2, 0.12))
+        each.move_blade(blade, edge(-2, 0.12))
         for _ in range(10):
             each.step()
         assert each.positions(body).tobytes() == scene.positions(body).tobytes()
@@ -214,7 +214,7 @@ def test_numbers_of_no_object_are_errors(sphere: incise.Mesh, number: int) -> No
         lambda: scene.pin(body, number),
         lambda: scene.pin(number, 0),
         lambda: scene.set_pin_target(body, number, [0, 0, 0]),
-        lambda: scene.set_blade(number, edge(0)),
+        lambda: scene.move_blade(number, edge(0)),
         lambda: scene.set_blade_face(number, None),
         lambda: scene.undo(number),
         lambda: scene.undo_count(number),
@@ -238,7 +238,7 @@ def test_numbers_that_are_not_finite_are_refused_at_the_call(
     pose, bad = np.array([[0, 0, 0], [0, value, 0]]), np.array([0, value, 0])
     calls: list[tuple[str, Any]] = [
         ("edge", lambda: scene.add_blade(pose)),
-        ("edge", lambda: scene.set_blade(blade, pose)),
+        ("edge", lambda: scene.move_blade(blade, pose)),
         ("edge", lambda: scene.teleport_blade(blade, pose)),
         ("face", lambda: scene.set_blade_face(blade, bad)),
         ("target", lambda: scene.set_pin_target(body, 3, bad)),

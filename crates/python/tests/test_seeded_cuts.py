@@ -43,7 +43,7 @@ def fall(mesh: incise.Mesh, numbers: list[float]) -> str:
     for frame in range(90):
         if frame in (10, 11):
             end = 0.0 if frame == 10 else x
-            scene.set_blade(blade, [[end, y, -z], [end, y, z]])
+            scene.move_blade(blade, [[end, y, -z], [end, y, z]])
         scene.step()
     # Without the gaps that cuts leave between the vertices.
     used, faces = np.unique(scene.faces(body), return_inverse=True)

@@ -193,7 +193,7 @@ impl Body {
     pub(crate) fn refit(&mut self) -> bool {
         if self.stale {
             self.cutter.refit(&self.surface);
-            self.know();
+            self.store_tight_bounds();
         } else {
             // Only inverse masses, which share an array with positions, may have changed.
             self.cutter.refit_moved(&self.surface, &[]);
@@ -299,7 +299,7 @@ impl Body {
         if let Ok(outcome) = &cut
             && !outcome.is_miss()
         {
-            self.know();
+            self.store_tight_bounds();
             let Self {
                 surface,
                 solver,
@@ -337,7 +337,7 @@ impl Body {
         self.version_before_cut = self.topology_version;
         // The vertices of their tips may be gone.
         self.end_all_incisions();
-        self.know();
+        self.store_tight_bounds();
         self.solver.apply_delta(&mut self.surface, &delta)?;
         let (surface, bvh) = (&self.surface, self.cutter.bvh());
         self.spring_search.fill(surface, &mut self.solver, bvh)?;
@@ -359,7 +359,7 @@ impl Body {
     /// Begins a step of the solver, which moves the vertices.
     pub(crate) fn begin_step(&mut self) {
         if !self.stale {
-            self.know();
+            self.store_tight_bounds();
         }
         self.stale = true;
     }
@@ -379,7 +379,7 @@ impl Body {
     }
 
     /// Takes the bounding box of the BVH, which must be refitted.
-    fn know(&mut self) {
+    fn store_tight_bounds(&mut self) {
         self.loose_bounds = Some(LooseBounds {
             bounds: self.cutter.bvh().bounds(),
             drift: 0.0,

@@ -3,7 +3,7 @@
 //! A body without contacts with others is an island of one. `frame.rs` groups the bodies after
 //! contact detection; [`step`] steps the islands and returns the bodies to the scene.
 
-mod held;
+mod friction_anchors;
 mod step;
 
 use crate::body::Body;
@@ -12,7 +12,7 @@ use crate::error::SceneError;
 #[cfg(feature = "serde")]
 use crate::save::LoadError;
 use crate::scene::Bodies;
-use held::HeldContacts;
+use friction_anchors::FrictionAnchors;
 use incise_mesh::{VertexId, index_u32};
 use incise_pbd_gpu::Contact;
 use step::BodyIsland;
@@ -42,7 +42,7 @@ pub(crate) struct Islands {
     #[cfg_attr(feature = "serde", serde(skip))]
     count: usize,
     /// Where friction held contacts in the last frame; those of a body are added with new ones.
-    held: HeldContacts,
+    held: FrictionAnchors,
     /// Scratch memory: contacts of a single body.
     #[cfg_attr(feature = "serde", serde(skip))]
     contacts: Vec<Contact>,
@@ -201,7 +201,7 @@ impl Islands {
     }
 
     /// Keeps where friction held the contacts of shared islands; solvers keep those of a body.
-    fn keep_held(&mut self, bodies: &Bodies) {
+    fn store_friction_anchors(&mut self, bodies: &Bodies) {
         let versions = (0..bodies.len()).map(|i| version(bodies, i));
         self.held.begin(versions);
         let first = &self.first_vertex;

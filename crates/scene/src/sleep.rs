@@ -7,19 +7,19 @@
 //! [`SleepParams::LAG`] frames later, when the GPU's measurement has arrived; it then either falls
 //! asleep or is observed again.
 
-mod excursion;
+mod rest_drift;
 
 use crate::body::Body;
 use crate::contacts::ContactParams;
 use crate::params::SceneParams;
 #[cfg(feature = "serde")]
 use crate::save::LoadError;
-use excursion::{Excursion, LAST};
 use incise_mesh::Aabb;
 #[cfg(feature = "serde")]
 use incise_mesh::index_u32;
 use incise_params::Range;
 use incise_pbd_gpu::SolverParams;
+use rest_drift::{LAST, RestDrift};
 
 incise_params::params! {
     /// Parameters of sleeping. Touching bodies and all pieces of a body sleep together.
@@ -132,7 +132,7 @@ pub(crate) struct Sleep {
     /// Boxes of sleeping bodies; [`EVERYWHERE`] for an unknown one.
     bounds: Vec<Aabb>,
     observations: Vec<Observation>,
-    excursions: Vec<Excursion>,
+    drifts: Vec<RestDrift>,
     /// First body of the island in which a sleeping body fell asleep.
     islands: Vec<usize>,
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -160,7 +160,7 @@ impl Sleep {
             self.asleep.len(),
             self.bounds.len(),
             self.observations.len(),
-            self.excursions.len(),
+            self.drifts.len(),
             self.islands.len(),
         ];
         let last = self.observed_frames.checked_add(SleepParams::LAG);
@@ -180,13 +180,13 @@ impl Sleep {
         self.asleep.resize(i + 1, false);
         self.bounds.resize(i + 1, EVERYWHERE);
         self.observations.resize(i + 1, Observation::default());
-        self.excursions.resize(i + 1, Excursion::default());
+        self.drifts.resize(i + 1, RestDrift::default());
         self.islands.resize(i + 1, i);
     }
 
     /// Removes a body and wakes its island. The index is not reused.
     pub(crate) fn remove(&mut self, i: usize) {
-        self.excursions[i] = Excursion::default();
+        self.drifts[i] = RestDrift::default();
         if std::mem::replace(&mut self.asleep[i], false) {
             self.sleeping_bodies -= 1;
             self.wake_island(self.islands[i]);
@@ -291,7 +291,7 @@ impl Sleep {
         let (surface, edge) = (body.surface(), body.solver().mean_rest_length());
         let slow = sleep.limit(edge, &surface.bounds(), time);
         let limits = [slow, f64::max(slow, MAX_JITTER * edge)];
-        self.excursions[i].measure(surface.positions(), frames, limits);
+        self.drifts[i].measure(surface.positions(), frames, limits);
     }
 
     /// Returns whether an observation is long enough to compare positions.
@@ -301,7 +301,7 @@ impl Sleep {
 
     /// Records a frame of an awake body.
     pub(crate) fn count_frame(&mut self, i: usize) {
-        self.excursions[i].end_frame();
+        self.drifts[i].end_frame();
         let frames = &mut self.observations[i].frames;
         *frames = (*frames + 1).min(self.observed_frames + SleepParams::LAG);
     }
@@ -347,7 +347,7 @@ impl Sleep {
             return false;
         }
         let is_at_rest =
-            |&i: &usize| self.observations[i].is_at_rest || self.excursions[i].is_in_place();
+            |&i: &usize| self.observations[i].is_at_rest || self.drifts[i].is_in_place();
         let are_at_rest = members.iter().all(is_at_rest);
         for &i in members {
             self.observations[i] = Observation::default();
@@ -371,7 +371,7 @@ impl Sleep {
     pub(crate) fn fall_asleep(&mut self, i: usize, island: usize, bounds: Option<Aabb>) {
         self.islands[i] = island;
         self.asleep[i] = true;
-        self.excursions[i] = Excursion::default();
+        self.drifts[i] = RestDrift::default();
         self.bounds[i] = bounds.unwrap_or(EVERYWHERE);
         self.sleeping_bodies += 1;
     }

@@ -1,6 +1,6 @@
 //! Writes a recording as one file of glTF: a node per piece from cut to cut.
 
-use super::recording::{Recording, Take};
+use super::recording::{Recording, TopologySpan};
 use crate::failure::Failure;
 use incise_mesh::{AnimatedSurface, Surface, Warning, write_glb_animation};
 use std::path::Path;
@@ -49,7 +49,7 @@ pub(super) fn write(
 }
 
 /// Returns the pieces of a take with their positions after the first picture.
-fn pieces(take: &Take) -> Vec<(Surface, Vec<Vec<[f32; 4]>>)> {
+fn pieces(take: &TopologySpan) -> Vec<(Surface, Vec<Vec<[f32; 4]>>)> {
     let parts = take.surface.extract_pieces();
     let mut pieces: Vec<_> = parts.map(|(_, part)| (part, Vec::new())).collect();
     let mut moved = take.surface.clone();

@@ -3,7 +3,7 @@
 mod obstacles;
 
 use super::output::SimulateOutput;
-use super::recording::{Recording, Take};
+use super::recording::{Recording, TopologySpan};
 use crate::failure::Failure;
 use crate::picture::PictureOptions;
 use incise_cut::CutParams;
@@ -59,7 +59,7 @@ pub(super) fn draw(
 }
 
 /// Returns the positions of a take in a picture; none outside of it.
-fn positions_in(take: &Take, picture: usize) -> Option<&[[f32; 4]]> {
+fn positions_in(take: &TopologySpan, picture: usize) -> Option<&[[f32; 4]]> {
     let positions = take.positions.get(picture.checked_sub(take.first)?)?;
     Some(positions)
 }
@@ -104,10 +104,10 @@ impl<'a> Artist<'a> {
     ) -> Result<Self, RenderError> {
         let points = || {
             let takes = recording.bodies.iter().flatten();
-            takes.flat_map(Take::points)
+            takes.flat_map(TopologySpan::points)
         };
         let [width, height] = options.size();
-        let drawn = |_: &Vec<Take>| {
+        let drawn = |_: &Vec<TopologySpan>| {
             let view = BodyView::new(renderer)?;
             Ok(Drawn { view, take: None })
         };
@@ -158,7 +158,7 @@ impl<'a> Artist<'a> {
     }
 }
 
-impl Take {
+impl TopologySpan {
     /// Returns the positions of the vertices in all pictures \[m\].
     fn points(&self) -> impl Iterator<Item = [f32; 3]> {
         self.positions.iter().flat_map(|positions| {

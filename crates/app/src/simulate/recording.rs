@@ -1,14 +1,14 @@
 //! [`Recording`]: the shapes of all bodies at the times of pictures.
 
 use super::bodies::Bodies;
-use super::knife::Knife;
 use super::scene_file::SceneFile;
+use super::scheduled_cuts::ScheduledCuts;
 use crate::failure::Failure;
 use incise_mesh::Surface;
 use incise_scene::Scene;
 
 /// The shapes of a body between two changes of its topology.
-pub(super) struct Take {
+pub(super) struct TopologySpan {
     /// The body at the first picture.
     pub(super) surface: Surface,
     /// Number of the first picture.
@@ -22,7 +22,7 @@ pub(super) struct Recording {
     /// Absent if no output shows the motion.
     frames_per_picture: Option<f64>,
     /// Takes of every body, in the order of their times.
-    pub(super) bodies: Vec<Vec<Take>>,
+    pub(super) bodies: Vec<Vec<TopologySpan>>,
     /// Edges of the blades that move from pose to pose \[m\], by picture.
     pub(super) blades: Vec<Vec<[[f32; 3]; 2]>>,
 }
@@ -50,7 +50,7 @@ impl Recording {
         frames: u32,
         scene: &mut Scene,
         bodies: &Bodies,
-        knife: &Knife,
+        cuts: &ScheduledCuts,
     ) -> Result<(), Failure> {
         while self.is_due(frames) {
             let picture = self.len();
@@ -58,7 +58,7 @@ impl Recording {
             for (takes, (surface, _)) in self.bodies.iter_mut().zip(surfaces) {
                 add(takes, picture, surface);
             }
-            let edges = knife.edges(scene).collect();
+            let edges = cuts.edges(scene).collect();
             self.blades.push(edges);
         }
         Ok(())
@@ -72,13 +72,13 @@ impl Recording {
 }
 
 /// Adds the shape of a body in a picture to its last take, or to a new one after a cut.
-fn add(takes: &mut Vec<Take>, picture: usize, surface: &Surface) {
+fn add(takes: &mut Vec<TopologySpan>, picture: usize, surface: &Surface) {
     let positions = surface.positions().to_vec();
     match takes.last_mut() {
         Some(take) if take.surface.fingerprint() == surface.fingerprint() => {
             take.positions.push(positions);
         }
-        _ => takes.push(Take {
+        _ => takes.push(TopologySpan {
             surface: surface.clone(),
             first: picture,
             positions: vec![positions],

@@ -25,7 +25,7 @@ pub(super) struct Report {
     /// Triangles that the sweep crosses; none without a cut.
     pub(super) hits: Option<usize>,
     /// A message for every cut that could not be made.
-    pub(super) refused_cuts: Vec<String>,
+    pub(super) failed_cuts: Vec<String>,
     /// A message for every plane and blade that hit nothing.
     pub(super) missed_cuts: Vec<String>,
     /// Motions of the blade from pose to pose; none without a path.

@@ -139,7 +139,7 @@ fn a_step_that_cannot_be_cut_is_skipped() {
     std::fs::write(&path, lines).unwrap();
     let (code, report, error) = simulate(folder.path(), &path, &["--seconds", "0.2"]);
     assert_eq!(code, Some(0), "{error}");
-    let refused = report["refused_cuts"].as_array().unwrap();
+    let refused = report["failed_cuts"].as_array().unwrap();
     assert_eq!(refused.len(), 1);
     let refused = refused[0].as_str().unwrap();
     assert!(refused.contains("line 3, at 0.033 s: "), "{refused}");

@@ -6,7 +6,7 @@ use std::cmp::Ordering;
 
 /// A triangle at an edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Spoke {
+pub(super) struct IncidentTriangle {
     /// The triangle's half-edge along the edge.
     pub(super) half_edge: HalfEdge,
     /// The patch of the triangle.
@@ -43,8 +43,8 @@ fn side_along(axis: usize, a: Point, b: Point, c: Point) -> f64 {
 /// wedges between them. Returns false, and sorts nothing, if a triangle has no area.
 pub(super) fn sort_around(
     [a, b]: [Point; 2],
-    spokes: &mut [Spoke],
-    apex: impl Fn(&Spoke) -> Point,
+    spokes: &mut [IncidentTriangle],
+    apex: impl Fn(&IncidentTriangle) -> Point,
 ) -> bool {
     let Some(first) = spokes.first().map(&apex) else {
         return true;
@@ -65,7 +65,7 @@ pub(super) fn sort_around(
         _ if (side_along(axis, a, b, p) > 0.0) == reference => 0,
         _ => 2,
     };
-    let by_angle = |s: &Spoke, t: &Spoke| {
+    let by_angle = |s: &IncidentTriangle, t: &IncidentTriangle| {
         let (p, q) = (apex(s), apex(t));
         sector(p).cmp(&sector(q)).then_with(|| {
             0.0_f64
@@ -86,7 +86,7 @@ pub(super) fn sort_around(
 /// Returns the pairs of sorted triangles that bound wedges of material, or of void.
 ///
 /// Returns nothing unless material starts and ends by turns.
-pub(super) fn wedges(spokes: &[Spoke], of_void: bool) -> Option<Vec<[HalfEdge; 2]>> {
+pub(super) fn wedges(spokes: &[IncidentTriangle], of_void: bool) -> Option<Vec<[HalfEdge; 2]>> {
     let n = spokes.len();
     let alternates = (0..n).all(|i| spokes[i].starts != spokes[(i + 1) % n].starts);
     if n == 0 || !alternates {
@@ -101,7 +101,7 @@ pub(super) fn wedges(spokes: &[Spoke], of_void: bool) -> Option<Vec<[HalfEdge; 2
 }
 
 /// Returns the one of three sorted triangles that lies within the material of the other two.
-pub(super) fn inner_of_three(spokes: &[Spoke; 3]) -> Option<&Spoke> {
+pub(super) fn inner_of_three(spokes: &[IncidentTriangle; 3]) -> Option<&IncidentTriangle> {
     let odd = (0..3).find(|&i| {
         let [p, q] = [1, 2].map(|k| spokes[(i + k) % 3].starts);
         p == q && p != spokes[i].starts
@@ -118,8 +118,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn spoke(i: u32, starts: bool) -> Spoke {
-        Spoke {
+    fn spoke(i: u32, starts: bool) -> IncidentTriangle {
+        IncidentTriangle {
             half_edge: HalfEdge(i),
             patch: i,
             starts,
@@ -127,7 +127,7 @@ mod tests {
         }
     }
 
-    fn order(spokes: &[Spoke]) -> Vec<u32> {
+    fn order(spokes: &[IncidentTriangle]) -> Vec<u32> {
         spokes.iter().map(|s| s.half_edge.0).collect()
     }
 
@@ -141,7 +141,7 @@ mod tests {
             [5.0, 0.0, -1.0],
             [1.0, 1.0, 0.0],
         ];
-        let mut spokes: Vec<Spoke> = (0..6).map(|i| spoke(i, i != 4)).collect();
+        let mut spokes: Vec<IncidentTriangle> = (0..6).map(|i| spoke(i, i != 4)).collect();
         let edge = [[0.0; 3], [0.0, 0.0, 1.0]];
         let sorted = sort_around(edge, &mut spokes, |s| apexes[s.half_edge.0 as usize]);
         assert!(sorted, "all triangles have an area");
@@ -183,11 +183,12 @@ mod tests {
                 .map(|&(x, y, z)| [x, y, z].map(f64::from))
                 .collect();
             prop_assume!(!points.is_empty());
-            let mut spokes: Vec<Spoke> = (0..).zip(&points).map(|(i, _)| spoke(i, true)).collect();
+            let mut spokes: Vec<IncidentTriangle> =
+                (0..).zip(&points).map(|(i, _)| spoke(i, true)).collect();
             spokes.rotate_left(by % points.len());
-            let apex = |s: &Spoke| points[s.half_edge.0 as usize];
+            let apex = |s: &IncidentTriangle| points[s.half_edge.0 as usize];
             prop_assert!(sort_around([[0.0; 3], [0.0, 0.0, 2.0]], &mut spokes, apex));
-            let angle = |s: &Spoke| apex(s)[1].atan2(apex(s)[0]);
+            let angle = |s: &IncidentTriangle| apex(s)[1].atan2(apex(s)[0]);
             let turns: f64 = (0..spokes.len())
                 .map(|i| {
                     let next = &spokes[(i + 1) % spokes.len()];

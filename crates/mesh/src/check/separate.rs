@@ -8,7 +8,7 @@
 mod patches;
 
 use super::Defect;
-use super::around::{Spoke, wedges};
+use super::around::{IncidentTriangle, wedges};
 use super::links::{Fans, Links};
 use super::repair::{Repaired, rounding};
 use super::tally::Tally;
@@ -20,9 +20,9 @@ use patches::Patches;
 const ATTEMPTS: usize = 8;
 
 /// An edge of more than two triangles.
-pub(super) struct Crowd {
+pub(super) struct NonManifoldEdge {
     pub(super) key: EdgeKey,
-    pub(super) spokes: Vec<Spoke>,
+    pub(super) spokes: Vec<IncidentTriangle>,
     /// Whether the triangles are in cyclic order; false if one has no area.
     pub(super) is_sorted: bool,
     /// Whether the pairs enclose void instead of material.
@@ -45,7 +45,7 @@ impl Repaired {
     /// Reports a defect, and splits nothing, if a closed surface can be separated in several ways.
     pub(super) fn separate_sheets(&mut self, data: &MeshData, links: &Links) {
         let mut patches = Patches::new(self, data, links);
-        if patches.crowds.is_empty() {
+        if patches.non_manifold_edges.is_empty() {
             return;
         }
         patches.detach_loose();
@@ -57,7 +57,7 @@ impl Repaired {
                 self.reject_edges(data, &pairing.ambiguous);
                 return;
             }
-            let crowded = patches.crowds.iter().map(|c| c.key);
+            let crowded = patches.non_manifold_edges.iter().map(|c| c.key);
             let fans = fans_of_pairs(&joined, links, crowded, &pairing.pairs);
             let mut split = joined.clone();
             let copies = { fans }.split(&mut split, self.vertices.len());
@@ -82,7 +82,7 @@ impl Repaired {
                 return;
             }
         }
-        let all: Vec<EdgeKey> = patches.crowds.iter().map(|c| c.key).collect();
+        let all: Vec<EdgeKey> = patches.non_manifold_edges.iter().map(|c| c.key).collect();
         self.reject_edges(data, &all);
     }
 
@@ -100,12 +100,12 @@ impl Repaired {
     }
 
     fn report_separation(&mut self, patches: &Patches, pairing: &Pairing) {
-        if let Some(first) = patches.crowds.first() {
+        if let Some(first) = patches.non_manifold_edges.first() {
             let [a, b] = first.key.vertices().map(|v| self.vertices[v.index()]);
             self.warnings.push(Warning::EdgesSplit {
                 a: VertexId(a),
                 b: VertexId(b),
-                count: patches.crowds.len(),
+                count: patches.non_manifold_edges.len(),
             });
         }
         let mut is_paired = vec![false; 3 * self.triangles.len()];
@@ -113,7 +113,7 @@ impl Repaired {
             is_paired[h.index()] = true;
         }
         let mut detached = vec![false; self.triangles.len()];
-        for spoke in patches.crowds.iter().flat_map(|c| &c.spokes) {
+        for spoke in patches.non_manifold_edges.iter().flat_map(|c| &c.spokes) {
             detached[spoke.patch as usize] |= !is_paired[spoke.half_edge.index()];
         }
         let mut tally = Tally::default();
@@ -130,8 +130,8 @@ impl Repaired {
 /// Returns the pairs at all edges.
 fn pair_all(patches: &Patches) -> Pairing {
     let mut out = Pairing::default();
-    for crowd in &patches.crowds {
-        let (loose, closed): (Vec<Spoke>, Vec<Spoke>) = crowd
+    for crowd in &patches.non_manifold_edges {
+        let (loose, closed): (Vec<IncidentTriangle>, Vec<IncidentTriangle>) = crowd
             .spokes
             .iter()
             .partition(|s| patches.is_loose[s.patch as usize]);
@@ -149,7 +149,7 @@ fn pair_all(patches: &Patches) -> Pairing {
 ///
 /// Two triangles are a pair, and so are neighbors that bound a wedge of material. Else the two
 /// triangles of the same patch are a pair.
-fn pair(crowd: &Crowd, spokes: &[Spoke]) -> (Vec<[HalfEdge; 2]>, usize) {
+fn pair(crowd: &NonManifoldEdge, spokes: &[IncidentTriangle]) -> (Vec<[HalfEdge; 2]>, usize) {
     if let [p, q] = spokes
         && p.starts != q.starts
     {

@@ -31,15 +31,15 @@ pub struct Contact {
     /// Coulomb friction coefficient.
     pub friction: f32,
     /// The feature whose piece is carried by the piece of the other feature.
-    pub carried: Carried,
+    pub carried: SupportedSide,
     /// Whether both features belong to one piece; false unless the caller sets it.
     ///
     /// With other contacts of two features, the bodies project lengths forward and back.
     pub is_fold: bool,
     /// How one piece presses the other; nothing unless the caller sets it.
-    pub press: Press,
+    pub press: LoadRatio,
     /// Where friction held the features before; none for features that have not touched.
-    pub held: Option<Held>,
+    pub held: Option<FrictionAnchor>,
 }
 
 /// How a piece presses a thinner or lighter one that it meets within the frame.
@@ -48,7 +48,7 @@ pub struct Contact {
 /// round a thin piece between heavy ones would be pressed flat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Press {
+pub struct LoadRatio {
     /// Mass of the pressing piece relative to the pressed one, at least 1, by the thickness
     /// `2 V / A` of the pressed one [1/m].
     pub load: f32,
@@ -56,7 +56,7 @@ pub struct Press {
     pub closing: f32,
 }
 
-impl Press {
+impl LoadRatio {
     /// No pressing piece.
     pub const NONE: Self = Self {
         load: 0.0,
@@ -84,14 +84,14 @@ impl Press {
 /// Other constraints of that substep have moved them on. Friction takes this back in the next one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Held {
+pub struct FrictionAnchor {
     /// Weights of the vertices, -1 to 1; those of a pair sum to zero, which is not checked.
     pub weights: [f32; 4],
     /// Weighted sum of their positions: the vector from the second feature to the first one \[m\].
     pub at: [f32; 3],
 }
 
-impl Held {
+impl FrictionAnchor {
     /// Returns whether all numbers are finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
@@ -109,7 +109,7 @@ impl Held {
 /// sink into each other.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[repr(u16)]
-pub enum Carried {
+pub enum SupportedSide {
     /// No feature is carried.
     #[default]
     Neither,
@@ -149,9 +149,9 @@ impl Contact {
             gap,
             gap_rate: 0.0,
             friction: 0.0,
-            carried: Carried::Neither,
+            carried: SupportedSide::Neither,
             is_fold: false,
-            press: Press::NONE,
+            press: LoadRatio::NONE,
             held: None,
         }
     }
@@ -170,9 +170,9 @@ impl Contact {
             gap,
             gap_rate: 0.0,
             friction: 0.0,
-            carried: Carried::Neither,
+            carried: SupportedSide::Neither,
             is_fold: false,
-            press: Press::NONE,
+            press: LoadRatio::NONE,
             held: None,
         }
     }
@@ -189,9 +189,9 @@ impl Contact {
             gap: height,
             gap_rate: 0.0,
             friction: 0.0,
-            carried: Carried::Neither,
+            carried: SupportedSide::Neither,
             is_fold: false,
-            press: Press::NONE,
+            press: LoadRatio::NONE,
             held: None,
         }
     }
@@ -293,14 +293,14 @@ mod tests {
                 ..valid
             },
             Contact {
-                press: Press {
+                press: LoadRatio {
                     closing: f32::NAN,
                     load: 0.0,
                 },
                 ..valid
             },
             Contact {
-                press: Press {
+                press: LoadRatio {
                     closing: 0.0,
                     load: -1.0,
                 },

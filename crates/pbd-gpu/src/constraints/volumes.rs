@@ -30,7 +30,7 @@ const UNRESOLVED: f64 = 1e-6;
 /// A vertex of a closed piece, with the first half-edge of the traversal around it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Spoke {
+pub(crate) struct RingVertex {
     pub(crate) vertex: VertexId,
     /// An outgoing half-edge.
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -40,7 +40,7 @@ pub(crate) struct Spoke {
     ring: [u32; 2],
 }
 
-impl Spoke {
+impl RingVertex {
     /// Creates a spoke whose ring is not known yet.
     fn new(vertex: VertexId, outgoing: HalfEdge) -> Self {
         let ring = [0; 2];
@@ -118,7 +118,7 @@ struct Tally {
 pub struct VolumeSet {
     pub(crate) pieces: Vec<PieceVolume>,
     /// Ordered by piece, then by vertex.
-    pub(crate) spokes: Vec<Spoke>,
+    pub(crate) spokes: Vec<RingVertex>,
     /// Rings of the spokes, one after another. Traversals in every projection would take longer.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) rings: Vec<VertexId>,
@@ -216,14 +216,14 @@ impl VolumeSet {
         self.lambda.resize(self.pieces.len(), 0.0);
         self.displacements.resize(self.pieces.len(), [0.0; 3]);
         self.spokes.clear();
-        let nowhere = Spoke::new(VertexId::NULL, HalfEdge::NULL);
+        let nowhere = RingVertex::new(VertexId::NULL, HalfEdge::NULL);
         self.spokes.resize(first, nowhere);
         let topology = surface.topology();
         for vertex in topology.vertices() {
             let outgoing = topology.outgoing(vertex);
             let tally = &mut self.tallies[surface.piece(outgoing.triangle()) as usize];
             if tally.has_volume {
-                self.spokes[tally.vertices] = Spoke::new(vertex, outgoing);
+                self.spokes[tally.vertices] = RingVertex::new(vertex, outgoing);
                 tally.vertices += 1;
             }
         }

@@ -14,12 +14,12 @@
 
 use super::colliders::{Planes, dot};
 use super::particle_state::{ParticleState, ParticleStates, lanes};
-use crate::constraints::contacts::{Carried, ContactRecord};
+use crate::constraints::contacts::{ContactRecord, SupportedSide};
 use std::cell::Cell;
 
 /// Separates the features of the contacts with the indices `facing`, one after the other.
 ///
-/// The slice begins with the index `first`. Marks the vertices of [carried](crate::Carried)
+/// The slice begins with the index `first`. Marks the vertices of [supported](crate::SupportedSide)
 /// features in `carried`, shape [vertices].
 #[inline(never)]
 pub(crate) fn contacts(
@@ -192,10 +192,10 @@ pub(crate) const LIFT: f32 = 4.0;
 /// Ends a substep of `h` \[s\]: active contacts of pairs separate without velocity.
 ///
 /// Displacements lose their separating part, and start positions gain it and the recovery of
-/// missing distances, without entering planes. [Carried](crate::Carried) features only rise, and
-/// recover more: contacts on which others press lose parts of `fall`, the displacement by gravity
-/// in a substep \[m\], in each substep. Returns an upper bound of the change of a position by
-/// recovery along an axis \[m\], if no vertex is in two of the contacts.
+/// missing distances, without entering planes. [Supported](crate::SupportedSide) features only
+/// rise, and recover more: contacts on which others press lose parts of `fall`, the displacement by
+/// gravity in a substep \[m\], in each substep. Returns an upper bound of the change of a position
+/// by recovery along an axis \[m\], if no vertex is in two of the contacts.
 #[inline(never)]
 pub(crate) fn recover_contacts(
     particles: ParticleStates<'_>,
@@ -218,7 +218,7 @@ pub(crate) fn recover_contacts(
             continue;
         }
         // The carrying feature stays, as planes do.
-        let is_carried = contact.carried != Carried::Neither as u16;
+        let is_carried = contact.carried != SupportedSide::Neither as u16;
         let down = dot(n, fall);
         let slides = slides(w, n, p, planes);
         let rising = [0, 1, 2, 3].map(|i: usize| {

@@ -13,11 +13,11 @@
 //! Sums count a vertex that touches a collider as fixed if its outward normal points into it, so
 //! that the collider takes nothing of a volume after this pass. Where it slips, it counts as free
 //! to move along the collider: on a plane these parts of all gradients cancel, and without friction
-//! the piece must not be pushed. A vertex that is [carried](crate::Carried) by a piece counts as
+//! the piece must not be pushed. A vertex [supported](crate::SupportedSide) by a piece counts as
 //! fixed if its normal points down.
 //!
 //! A growing volume still moves vertices into colliders. Their pass undoes it, and their friction
-//! counts the load. Otherwise blocks creep downhill. Carried vertices do not move
+//! counts the load. Otherwise blocks creep downhill. Supported vertices do not move
 //! down: columns would collapse. Nor do those of pieces thinner than their fall in a substep, which
 //! friction would keep flat.
 //!
@@ -30,7 +30,7 @@ mod tree;
 use super::colliders::{dot, separation, touches};
 use super::particle_state::{ParticleState, ParticleStates};
 use crate::constraints::colliders::{ColliderRecord, PLANE};
-use crate::constraints::volumes::{Spoke, VolumeSet};
+use crate::constraints::volumes::{RingVertex, VolumeSet};
 use crate::parallel::Leader;
 use crate::parallel::passes::volume_gradients;
 use crate::step::constants::VolumeProjection;
@@ -88,7 +88,7 @@ pub(crate) struct VolumeObstacles<'a> {
 #[derive(Debug, Clone, Copy)]
 struct PieceInput<'a> {
     particles: ParticleStates<'a>,
-    /// See [`Spoke::ring`].
+    /// See [`RingVertex::ring`].
     rings: &'a [VertexId],
     /// Vertex that positions are relative to.
     center: usize,
@@ -157,7 +157,7 @@ pub(crate) fn volumes(
 fn sum<const BEFORE: bool>(
     (leader, arch): (&mut Leader<'_>, Arch),
     input: PieceInput<'_>,
-    spokes: &[Spoke],
+    spokes: &[RingVertex],
     scratch: &mut VolumeScratch,
 ) -> Sums {
     let gradients = VolumeGradients::<BEFORE> {
@@ -174,7 +174,7 @@ fn sum<const BEFORE: bool>(
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct VolumeGradients<'a, const BEFORE: bool> {
     input: PieceInput<'a>,
-    pub(crate) spokes: &'a [Spoke],
+    pub(crate) spokes: &'a [RingVertex],
     /// Shape \[spokes\].
     gradients: &'a [Cell<[f32; 4]>],
     /// Shape \[chunks\].
@@ -218,7 +218,7 @@ impl<const BEFORE: bool> NullaryFnOnce for VolumeGradients<'_, BEFORE> {
 
 /// Returns gradient and inverse mass at a spoke, and its terms of the sums.
 #[inline(always)]
-fn around<const BEFORE: bool>(input: &PieceInput<'_>, spoke: &Spoke) -> ([f32; 4], Sums) {
+fn around<const BEFORE: bool>(input: &PieceInput<'_>, spoke: &RingVertex) -> ([f32; 4], Sums) {
     let PieceInput {
         particles,
         rings,
@@ -305,7 +305,7 @@ impl VolumeObstacles<'_> {
 #[inline(always)]
 fn apply(
     input: PieceInput<'_>,
-    spokes: &[Spoke],
+    spokes: &[RingVertex],
     (gradients, [step, shift]): (&[[f32; 4]], [f32; 2]),
     reacts: bool,
 ) {

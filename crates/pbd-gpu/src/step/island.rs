@@ -3,7 +3,7 @@
 //! The states of all bodies lie in one array during a frame, body after body. A contact refers to
 //! them by island vertex: the number of vertex slots of the bodies before plus the vertex.
 
-use crate::constraints::contacts::{Contact, ContactSet, Press};
+use crate::constraints::contacts::{Contact, ContactSet, LoadRatio};
 use crate::error::{ConstraintError, StepError};
 #[cfg(feature = "global")]
 use crate::global::{Choice, SHORT_SUBSTEPS_PER_ITERATION};
@@ -149,7 +149,7 @@ impl Island {
         self.substeps = needed.fold(params.substeps, u32::max);
         self.integrator = params.integrator;
         let presses = bodies.iter().map(|(solver, _)| solver.contacts().press());
-        let press = presses.fold(self.contacts.press(), Press::max);
+        let press = presses.fold(self.contacts.press(), LoadRatio::max);
         let h = dt / self.substeps as f32;
         let frame = FrameInputs {
             dt,

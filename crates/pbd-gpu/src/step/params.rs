@@ -18,7 +18,7 @@ incise_params::params! {
         /// Projections of every constraint per substep, usually 1 to 20.
         ///
         /// Contacts and volumes have up to 24 projections each where heavy pieces press thin ones,
-        /// see [`Press`](crate::Press).
+        /// see [`LoadRatio`](crate::LoadRatio).
         iterations: u32 = 1, range: Self::COUNTS;
         /// Minimum substeps per frame, usually 1 to 20. They stiffen a body more than the same
         /// number of iterations.

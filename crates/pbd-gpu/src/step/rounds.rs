@@ -10,7 +10,7 @@
 //! Rounds accelerate each other, see [`Round`](crate::kernels::volume::Round). Where a piece is
 //! heavy, their number grows with the root of that of plain rounds.
 
-use crate::constraints::contacts::Press;
+use crate::constraints::contacts::LoadRatio;
 use crate::step::substeps::fall;
 
 /// Maximum approach of two pieces per substep and round, relative to the thickness of the pressed
@@ -35,7 +35,7 @@ const MAX_ROUNDS: f64 = 24.0;
     clippy::cast_sign_loss,
     reason = "the number of rounds is a whole number between 1 and its maximum"
 )]
-pub(crate) fn contact_rounds(h: f32, press: Press, gravity: [f32; 3]) -> u32 {
+pub(crate) fn contact_rounds(h: f32, press: LoadRatio, gravity: [f32; 3]) -> u32 {
     let h = f64::from(h);
     let fall = fall(h, gravity) * f64::from(press.load);
     let approach = h * f64::from(press.closing);
@@ -52,7 +52,7 @@ mod tests {
 
     #[test]
     fn thin_and_light_pieces_have_more_rounds() {
-        let of = |load, closing| contact_rounds(0.1, Press { load, closing }, [0.0, -6.0, 8.0]);
+        let of = |load, closing| contact_rounds(0.1, LoadRatio { load, closing }, [0.0, -6.0, 8.0]);
         let closing = [0.0, 0.9, 1.1, 2.9, 3.1, 1e30].map(|closing| of(0.0, closing));
         assert_eq!(closing, [1, 1, 2, 3, 4, 8], "a tenth of the thickness");
         let load = [0.002, 0.004, 0.007].map(|load| of(load, 0.0));

@@ -1,7 +1,7 @@
 //! Volume constraints: closed forms and invariants.
 
 use incise_mesh::{Surface, TriangleId, VertexId};
-use incise_pbd_gpu::{Carried, Contact, Material, Solver, SolverParams, StepError, Volume};
+use incise_pbd_gpu::{Contact, Material, Solver, SolverParams, StepError, SupportedSide, Volume};
 use incise_test_support::materials::{limp, with_pressure};
 use incise_test_support::surfaces::{edge_keys, scaled, sphere, two_spheres};
 
@@ -324,7 +324,7 @@ fn carried_vertices_do_not_move_down_for_the_volume() {
         solver.step(&mut surface, DT, &params).unwrap();
         (surface.volume() / rest - 1.0).abs()
     };
-    let [carried, free] = [Carried::First, Carried::Neither].map(volume_error);
+    let [carried, free] = [SupportedSide::First, SupportedSide::Neither].map(volume_error);
     assert!(
         carried < 1e-4,
         "the upper vertices restore the volume: {carried}"

@@ -150,7 +150,7 @@ class _Run:
         if self.blade is None:
             self.blade = self.scene.add_blade(self._hover(0), "full-slices")
         if directions is None:
-            self.scene.set_blade(self.blade, self._hover(frame))
+            self.scene.move_blade(self.blade, self._hover(frame))
             return
         pieces = self.scene.pieces(self.body)
         volumes = [abs(piece.volume) for piece in pieces]
@@ -166,7 +166,7 @@ class _Run:
         self.scene.teleport_blade(self.blade, edge - motion)
         piece = self.scene.piece_numbers(self.body)[largest]
         self.scene.set_blade_piece(self.blade, piece)
-        self.scene.set_blade(self.blade, edge + motion)
+        self.scene.move_blade(self.blade, edge + motion)
 
     def _hover(self, frame: int) -> npt.NDArray[np.float64]:
         angle = 0.1 * frame

@@ -37,7 +37,7 @@ impl Scene {
     }
 
     /// Moves a blade to a pose [m], shape (2, 3); the next step cuts along its sweep.
-    fn set_blade(&mut self, blade: Number, edge: &Bound<'_, PyAny>) -> PyResult<()> {
+    fn move_blade(&mut self, blade: Number, edge: &Bound<'_, PyAny>) -> PyResult<()> {
         let edge = self::edge(edge, "edge")?;
         self.scene
             .move_blade(self.blade_id(blade)?, edge)

@@ -64,7 +64,7 @@ impl Extents {
 /// Returns a way without its part along gravity, if that is small.
 ///
 /// Otherwise the lower piece would get no displacement, whatever the masses are.
-pub(super) fn leveled(way: Vec3, gravity: Vec3) -> Vec3 {
+pub(super) fn without_vertical_part(way: Vec3, gravity: Vec3) -> Vec3 {
     let Some(down) = gravity.try_normalize(0.0) else {
         return way;
     };

@@ -12,7 +12,7 @@ use super::narrow_phase::Search;
 use super::overlaps::PieceId;
 use incise_mesh::geometry::to_f64;
 use incise_mesh::{Vec3, VertexId};
-use incise_pbd_gpu::{Carried, ContactKind};
+use incise_pbd_gpu::{ContactKind, SupportedSide};
 use std::cmp::Ordering;
 
 /// Level of a piece without a path of contacts to a plane.
@@ -53,7 +53,7 @@ impl Carriers {
                 };
                 let speed = pair.map(|piece| search.pieces.mean_velocity(piece).dot(&down));
                 if pair.iter().any(|&piece| search.is_sheet(piece)) {
-                    found.contact.carried = Carried::Upper;
+                    found.contact.carried = SupportedSide::Upper;
                 } else if f64::max(speed[0], speed[1]) > MIN_FALL * search.frame.speed_gain {
                     found.contact.carried = self.carried(pair);
                 }
@@ -62,18 +62,18 @@ impl Carriers {
     }
 
     /// Returns which of two pieces in contact is carried in a column.
-    fn carried(&self, pair: [u32; 2]) -> Carried {
+    fn carried(&self, pair: [u32; 2]) -> SupportedSide {
         let [first, second] = pair.map(|piece| self.levels[piece as usize]);
         let (carried, upper) = match first.cmp(&second) {
-            Ordering::Less => (Carried::Second, pair[1]),
-            Ordering::Equal => return Carried::Neither,
-            Ordering::Greater => (Carried::First, pair[0]),
+            Ordering::Less => (SupportedSide::Second, pair[1]),
+            Ordering::Equal => return SupportedSide::Neither,
+            Ordering::Greater => (SupportedSide::First, pair[0]),
         };
         let is_in_column = first.max(second) > 1 || self.carries[upper as usize];
         if is_in_column {
             carried
         } else {
-            Carried::Neither
+            SupportedSide::Neither
         }
     }
 

@@ -15,7 +15,7 @@ use super::{ContactFrame, SPEED_MARGIN};
 use crate::body::Body;
 use crate::scene::Bodies;
 use incise_mesh::{MovingPoint, Surface, TriangleId, Vec3, VertexId, index_u32};
-use incise_pbd_gpu::{Contact, ContactKind, Press};
+use incise_pbd_gpu::{Contact, ContactKind, LoadRatio};
 use rayon::prelude::*;
 
 /// Minimum number of rows for threads: waking one takes about ten microseconds.
@@ -200,7 +200,7 @@ impl Search<'_> {
             contact: Contact {
                 is_fold,
                 press: if is_fold {
-                    Press::NONE
+                    LoadRatio::NONE
                 } else {
                     self.press(of, (&contact, at), gap)
                 },

@@ -8,7 +8,7 @@
 //! which they approach each other in this direction.
 
 use super::ContactFrame;
-use super::axes::{Extents, along, leveled, separation};
+use super::axes::{Extents, along, separation, without_vertical_part};
 use super::depth::{Point, sampled_points};
 use super::free_way::free_way;
 use super::narrow_phase::Search;
@@ -313,7 +313,7 @@ impl Search<'_> {
             first.into_iter().flatten().chain(second)
         };
         let way = ways(Vec3::zeros()).chain(known).reduce(longer)?;
-        let way = leveled(way, self.frame.gravity);
+        let way = without_vertical_part(way, self.frame.gravity);
         let (depth, direction) = (way.norm(), way.try_normalize(0.0)?);
         let extents = [self.extents(a)?, self.extents(b)?];
         let is_blocked = |piece: &Extents, by: Vec3| {

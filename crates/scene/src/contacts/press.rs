@@ -8,7 +8,7 @@ use super::narrow_phase::{Search, Searched};
 use super::persistent::{PersistentContact, area_normal};
 use incise_mesh::Vec3;
 use incise_mesh::geometry::round_to_f32;
-use incise_pbd_gpu::Press;
+use incise_pbd_gpu::LoadRatio;
 
 /// Minimum volume of a piece, relative to the other one. Smaller ones are slivers, which may be
 /// crushed.
@@ -24,9 +24,9 @@ impl Search<'_> {
         of: Searched<'_>,
         (contact, at): (&PersistentContact, Vec3),
         gap: f64,
-    ) -> Press {
+    ) -> LoadRatio {
         let Some(other) = self.bodies[contact.other as usize].as_ref() else {
-            return Press::NONE;
+            return LoadRatio::NONE;
         };
         let (surface, motion) = (other.surface(), &self.motions[contact.other as usize]);
         let corners = contact.corners.into_iter().zip(contact.weights);
@@ -50,7 +50,7 @@ impl Search<'_> {
         let speed = speed.min(f64::max(-a, b)).max(0.0);
         let meets = normal.dot(&(at - point)) - speed * self.frame.dt <= gap;
         if !meets {
-            return Press::NONE;
+            return LoadRatio::NONE;
         }
         let masses = pieces.map(|index| self.pieces.mass(index));
         let shapes = sides.map(|(body, piece)| body.piece_shapes().get(piece));
@@ -66,6 +66,6 @@ impl Search<'_> {
         let load = f64::max(load[0], load[1]);
         let [load, closing] =
             [load, load * speed].map(|c| round_to_f32(c.min(f64::from(f32::MAX))));
-        Press { load, closing }
+        LoadRatio { load, closing }
     }
 }

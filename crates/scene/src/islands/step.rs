@@ -143,7 +143,7 @@ impl Scene {
             self.islands.step(self.params.dt, &self.params.solver);
         }
         self.islands.give_back(&mut self.bodies);
-        self.islands.keep_held(&self.bodies);
+        self.islands.store_friction_anchors(&self.bodies);
         on_gpu?;
         if let Some((index, IslandError { error, .. })) = self.islands.error() {
             let scene = self.number;

@@ -22,7 +22,7 @@ impl OpenWindow {
             self.message = Some(match is_same {
                 Some(true) => ("replay finished, bit-identical".to_owned(), false),
                 // GPU drivers may fuse and reorder operations; only CPU results are bit-identical.
-                Some(false) if self.is_on_device() => (
+                Some(false) if self.is_on_gpu() => (
                     "replay finished; GPU results differ from the recording by rounding".to_owned(),
                     false,
                 ),
@@ -38,7 +38,7 @@ impl OpenWindow {
     }
 
     /// Returns true if the body is simulated on a GPU.
-    pub(super) fn is_on_device(&self) -> bool {
+    pub(super) fn is_on_gpu(&self) -> bool {
         let report = self.session.scene().backend_report();
         report.gpu_bodies.contains(&self.session.body())
     }

@@ -3,17 +3,17 @@
 use incise_mesh::{Surface, TriangleId, VertexId};
 use incise_models::{Model, build_model};
 use incise_pbd_gpu::{
-    Carried, Collider, Contact, ContactKind, Context, GpuBackend, Held, Material, MovingCollider,
-    Press, Schedule, Solver, SolverParams, Volume,
+    Collider, Contact, ContactKind, Context, FrictionAnchor, GpuBackend, LoadRatio, Material,
+    MovingCollider, Schedule, Solver, SolverParams, SupportedSide, Volume,
 };
 use incise_test_support::cpu_gpu_pair::{CpuGpuPair, with_most_features};
 use incise_test_support::random::Random;
 
-const CARRIED: [Carried; 4] = [
-    Carried::Neither,
-    Carried::First,
-    Carried::Second,
-    Carried::Upper,
+const CARRIED: [SupportedSide; 4] = [
+    SupportedSide::Neither,
+    SupportedSide::First,
+    SupportedSide::Second,
+    SupportedSide::Upper,
 ];
 
 /// Returns random contacts, in which one vertex has more contacts than there are colors.
@@ -53,7 +53,7 @@ fn contacts(surface: &Surface, random: &mut Random, count: usize) -> Vec<Contact
                 friction: random.fraction(),
                 carried: CARRIED[random.below(4)],
                 is_fold: count == 5,
-                held: (random.below(2) == 0).then(|| Held {
+                held: (random.below(2) == 0).then(|| FrictionAnchor {
                     weights: [1.0, -a, -b, a + b - 1.0],
                     at: normal.map(|c| 0.01 * c),
                 }),
@@ -126,7 +126,7 @@ fn equal(context: Context, model: Model, schedule: Schedule) {
         let mut list = contacts(&twin.on_cpu, &mut random, count);
         // One round, eight and 24.
         let [closing, load] = [[0.0, 0.0], [100.0, 0.0], [0.0, 1e9]][frame as usize % 3];
-        let press = Press { load, closing };
+        let press = LoadRatio { load, closing };
         list.iter_mut().for_each(|c| c.press = press);
         twin.cpu.set_contacts(&list).expect("vertices of the body");
         twin.solver
@@ -146,7 +146,7 @@ fn equal(context: Context, model: Model, schedule: Schedule) {
 }
 
 /// Returns where friction held the contacts of a solver.
-fn held(solver: &Solver) -> Vec<([VertexId; 4], Held)> {
+fn held(solver: &Solver) -> Vec<([VertexId; 4], FrictionAnchor)> {
     solver.contacts().held().collect()
 }
 

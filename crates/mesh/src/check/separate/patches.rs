@@ -1,7 +1,7 @@
 //! Patches of triangles at edges of more than two triangles, and the loose ones among them.
 
-use super::Crowd;
-use crate::check::around::{Spoke, inner_of_three, sort_around};
+use super::NonManifoldEdge;
+use crate::check::around::{IncidentTriangle, inner_of_three, sort_around};
 use crate::check::links::{Links, origin};
 use crate::check::repair::Repaired;
 use crate::geometry::to_f64;
@@ -16,7 +16,7 @@ const ROUNDS: usize = 32;
 ///
 /// A patch has the number of its first triangle.
 pub(super) struct Patches {
-    pub(super) crowds: Vec<Crowd>,
+    pub(super) non_manifold_edges: Vec<NonManifoldEdge>,
     /// Whether a patch is loose, by its number.
     pub(super) is_loose: Vec<bool>,
     /// A patch, one of its edges, and whether material starts there; sorted.
@@ -41,7 +41,7 @@ impl Patches {
             [p.x, p.y, p.z]
         };
         let mut out = Self {
-            crowds: Vec::new(),
+            non_manifold_edges: Vec::new(),
             is_loose: vec![false; triangles.len()],
             sides: Vec::new(),
             pending: Vec::new(),
@@ -52,17 +52,17 @@ impl Patches {
                 out.detach(partition.find(first.triangle().0));
             } else if edge.len() > 2 {
                 let [low, high] = key.vertices();
-                let spoke = |&(_, half_edge): &(EdgeKey, HalfEdge)| Spoke {
+                let spoke = |&(_, half_edge): &(EdgeKey, HalfEdge)| IncidentTriangle {
                     half_edge,
                     patch: partition.find(half_edge.triangle().0),
                     starts: origin(triangles, half_edge) == high,
                     angle: 0,
                 };
-                let mut spokes: Vec<Spoke> = edge.iter().map(spoke).collect();
+                let mut spokes: Vec<IncidentTriangle> = edge.iter().map(spoke).collect();
                 let starting = spokes.iter().filter(|s| s.starts).count();
-                let apex = |s: &Spoke| position(origin(triangles, s.half_edge.prev()));
+                let apex = |s: &IncidentTriangle| position(origin(triangles, s.half_edge.prev()));
                 let is_sorted = sort_around([low, high].map(position), &mut spokes, apex);
-                out.crowds.push(Crowd {
+                out.non_manifold_edges.push(NonManifoldEdge {
                     key,
                     closed: [spokes.len() - starting, starting],
                     spokes,
@@ -71,8 +71,8 @@ impl Patches {
                 });
             }
         }
-        for (i, crowd) in (0..).zip(&out.crowds) {
-            let side = |s: &Spoke| (s.patch, i, s.starts);
+        for (i, crowd) in (0..).zip(&out.non_manifold_edges) {
+            let side = |s: &IncidentTriangle| (s.patch, i, s.starts);
             out.sides.extend(crowd.spokes.iter().map(side));
         }
         out.sides.sort_unstable();
@@ -88,7 +88,7 @@ impl Patches {
 
     /// Makes patches loose that have no partner left at one of their edges.
     pub(super) fn detach_loose(&mut self) {
-        for i in 0..self.crowds.len() {
+        for i in 0..self.non_manifold_edges.len() {
             self.detach_without_partner(i);
         }
         while let Some(patch) = self.pending.pop() {
@@ -96,7 +96,7 @@ impl Patches {
             let last = self.sides.partition_point(|&(p, ..)| p <= patch);
             for k in first..last {
                 let (_, crowd, starts) = self.sides[k];
-                self.crowds[crowd as usize].closed[usize::from(starts)] -= 1;
+                self.non_manifold_edges[crowd as usize].closed[usize::from(starts)] -= 1;
                 self.detach_without_partner(crowd as usize);
             }
         }
@@ -104,9 +104,9 @@ impl Patches {
 
     /// Makes the patches of an edge loose if all of them face the same way around it.
     fn detach_without_partner(&mut self, crowd: usize) {
-        let [ending, starting] = self.crowds[crowd].closed;
+        let [ending, starting] = self.non_manifold_edges[crowd].closed;
         if (ending == 0) != (starting == 0) {
-            let spokes = self.crowds[crowd].spokes.iter();
+            let spokes = self.non_manifold_edges[crowd].spokes.iter();
             let patches: Vec<u32> = spokes.map(|s| s.patch).collect();
             patches.into_iter().for_each(|patch| self.detach(patch));
         }
@@ -119,10 +119,11 @@ impl Patches {
         for _ in 0..ROUNDS {
             let mut inner: Vec<u32> = Vec::new();
             let mut other: Vec<u32> = Vec::new();
-            for crowd in &self.crowds {
-                let is_closed = |s: &&Spoke| !self.is_loose[s.patch as usize];
-                let closed: Vec<Spoke> = crowd.spokes.iter().filter(is_closed).copied().collect();
-                let wall = match <&[Spoke; 3]>::try_from(closed.as_slice()) {
+            for crowd in &self.non_manifold_edges {
+                let is_closed = |s: &&IncidentTriangle| !self.is_loose[s.patch as usize];
+                let closed: Vec<IncidentTriangle> =
+                    crowd.spokes.iter().filter(is_closed).copied().collect();
+                let wall = match <&[IncidentTriangle; 3]>::try_from(closed.as_slice()) {
                     Ok(three) if crowd.is_sorted => inner_of_three(three),
                     _ => None,
                 };
@@ -148,8 +149,8 @@ impl Patches {
     pub(super) fn invert(&mut self, mut half_edges: Vec<HalfEdge>) -> Vec<EdgeKey> {
         half_edges.sort_unstable();
         let mut stuck = Vec::new();
-        for crowd in &mut self.crowds {
-            let is_bad = |s: &Spoke| half_edges.binary_search(&s.half_edge).is_ok();
+        for crowd in &mut self.non_manifold_edges {
+            let is_bad = |s: &IncidentTriangle| half_edges.binary_search(&s.half_edge).is_ok();
             if crowd.spokes.iter().any(is_bad) && std::mem::replace(&mut crowd.is_inverted, true) {
                 stuck.push(crowd.key);
             }

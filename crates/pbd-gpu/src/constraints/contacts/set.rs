@@ -3,7 +3,7 @@
 #[cfg(feature = "serde")]
 mod load;
 
-use super::{Carried, Contact, Held, Press};
+use super::{Contact, FrictionAnchor, LoadRatio, SupportedSide};
 use crate::constraints::coloring::{MAX_COLORS, VertexColors};
 use incise_mesh::VertexId;
 
@@ -27,7 +27,7 @@ pub(crate) struct ContactRecord {
     pub(crate) thickness: f32,
     /// A [`ContactKind`](super::ContactKind).
     pub(crate) kind: u16,
-    /// A [`Carried`].
+    /// A [`SupportedSide`].
     pub(crate) carried: u16,
     /// Whether the last projection has separated the features.
     pub(crate) is_active: u32,
@@ -58,8 +58,8 @@ impl ContactRecord {
     /// Returns whether a vertex belongs to the carried feature, by the sign of its weight.
     #[inline(always)]
     pub(crate) fn is_carried(&self, weight: f32) -> bool {
-        (self.carried == Carried::First as u16 && weight > 0.0)
-            || (self.carried == Carried::Second as u16 && weight < 0.0)
+        (self.carried == SupportedSide::First as u16 && weight > 0.0)
+            || (self.carried == SupportedSide::Second as u16 && weight < 0.0)
     }
 
     /// Returns the vertices that it moves, and their number.
@@ -79,7 +79,7 @@ pub struct ContactSet {
     pub(crate) colors: Vec<Vec<ContactRecord>>,
     #[cfg_attr(feature = "serde", serde(skip))]
     masks: VertexColors,
-    press: Press,
+    press: LoadRatio,
     #[cfg_attr(feature = "serde", serde(skip))]
     generation: u64,
 }
@@ -92,7 +92,7 @@ impl Default for ContactSet {
         Self {
             colors: Vec::new(),
             masks: VertexColors::new(0),
-            press: Press::NONE,
+            press: LoadRatio::NONE,
             generation: 0,
         }
     }
@@ -112,7 +112,7 @@ impl ContactSet {
     }
 
     /// Returns the maxima of [`Contact::press`].
-    pub(crate) fn press(&self) -> Press {
+    pub(crate) fn press(&self) -> LoadRatio {
         self.press
     }
 
@@ -131,12 +131,12 @@ impl ContactSet {
     /// Returns the vertices of each pair that friction has held in the last substep, and where.
     ///
     /// A GPU returns this with the positions.
-    pub fn held(&self) -> impl Iterator<Item = ([VertexId; 4], Held)> {
+    pub fn held(&self) -> impl Iterator<Item = ([VertexId; 4], FrictionAnchor)> {
         let pairs = self.colors.iter().flatten();
         let held = pairs.filter(|pair| pair.friction_bound > 0.0 && pair.vertex_count() == 4);
         held.map(|pair| {
             let (weights, at) = (pair.weights, pair.held_at);
-            (pair.vertices.map(VertexId), Held { weights, at })
+            (pair.vertices.map(VertexId), FrictionAnchor { weights, at })
         })
     }
 
@@ -154,7 +154,7 @@ impl ContactSet {
         self.colors.resize_with(UNCOLORED + 1, Vec::new);
         for contact in contacts {
             self.press = self.press.max(contact.press);
-            let held = contact.held.unwrap_or(Held {
+            let held = contact.held.unwrap_or(FrictionAnchor {
                 weights: [1.0, 0.0, 0.0, 0.0],
                 at: [0.0; 3],
             });
@@ -184,7 +184,7 @@ impl ContactSet {
     /// Removes all contacts.
     pub(crate) fn clear(&mut self) {
         self.generation += 1;
-        self.press = Press::NONE;
+        self.press = LoadRatio::NONE;
         for (color, contacts) in self.colors.iter_mut().enumerate() {
             for contact in contacts.drain(..).filter(|_| color < UNCOLORED) {
                 let (ids, count) = contact.moved();

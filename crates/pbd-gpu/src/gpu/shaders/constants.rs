@@ -3,7 +3,7 @@
 use crate::constraints::batches::OVERFLOW;
 use crate::constraints::colliders::{PLANE, ROUND};
 use crate::constraints::coloring::MAX_COLORS;
-use crate::constraints::contacts::{Carried, ContactKind, NO_VERTEX};
+use crate::constraints::contacts::{ContactKind, NO_VERTEX, SupportedSide};
 use crate::constraints::interior_springs;
 use crate::gpu::layout::{
     ATTACHMENT_ENTRIES, BENDING, BENDING_ENTRIES, CHUNK_ENTRIES, COLLIDER_ENTRIES, CONTACT_ENTRIES,
@@ -36,8 +36,8 @@ const INTEGERS: [(&str, u32); 35] = [
     ("CONTACT_VERTEX_POINT", ContactKind::VertexPoint as u32),
     ("CONTACT_EDGE_EDGE", ContactKind::EdgeEdge as u32),
     ("CONTACT_PLANE", ContactKind::Plane as u32),
-    ("CARRIED_FIRST", Carried::First as u32),
-    ("CARRIED_SECOND", Carried::Second as u32),
+    ("CARRIED_FIRST", SupportedSide::First as u32),
+    ("CARRIED_SECOND", SupportedSide::Second as u32),
     ("CONTACT_ENTRIES", CONTACT_ENTRIES as u32),
     ("NO_VERTEX", NO_VERTEX),
     ("COLLIDER_ENTRIES", COLLIDER_ENTRIES as u32),

@@ -227,7 +227,7 @@ fn a_carried_feature_rises() {
     for missing in [0.04, 0.005] {
         let contact = ContactRecord {
             gap: contact.thickness - missing,
-            carried: Carried::First as u16,
+            carried: SupportedSide::First as u16,
             ..contact
         };
         let mut states: Vec<_> = (pair().0.into_iter())

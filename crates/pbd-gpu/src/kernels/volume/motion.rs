@@ -11,7 +11,7 @@
 //! light ones between a contact and a volume would be thrown.
 
 use super::tree::{total_of, tree};
-use super::{CHUNK, Spoke};
+use super::{CHUNK, RingVertex};
 use crate::kernels::particle_state::ParticleStates;
 
 /// Maximum step of a piece in a round, relative to the displacement that carries its weight.
@@ -40,7 +40,7 @@ impl Round {
     pub(super) fn proceed(
         self,
         particles: ParticleStates<'_>,
-        (spokes, sink): (&[Spoke], f32),
+        (spokes, sink): (&[RingVertex], f32),
         displacement: &mut [f32; 3],
         partial: &mut Vec<Motion>,
     ) {
@@ -72,7 +72,7 @@ impl Round {
 }
 
 /// Returns the sums of a piece, in which pinned vertices have no mass.
-fn sum(particles: ParticleStates<'_>, spokes: &[Spoke], partial: &mut Vec<Motion>) -> Motion {
+fn sum(particles: ParticleStates<'_>, spokes: &[RingVertex], partial: &mut Vec<Motion>) -> Motion {
     let add = |a: f32, b: f32| a + b;
     partial.clear();
     partial.extend(spokes.chunks(CHUNK).map(|spokes| {

@@ -16,7 +16,7 @@ pub(super) fn show(ui: &mut Ui, open: &OpenWindow) {
     let topology = surface.topology();
     let scene = session.scene();
     let simulated_by = scene.backend_report().adapter;
-    let simulated_by = simulated_by.filter(|_| open.is_on_device());
+    let simulated_by = simulated_by.filter(|_| open.is_on_gpu());
     let rows = [
         ("frame time", format!("{mean:.2} ms, max {max:.1} ms")),
         ("redraw time", format!("{:.1} ms", open.times.redraw())),

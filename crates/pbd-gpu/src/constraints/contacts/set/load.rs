@@ -2,7 +2,7 @@
 
 use super::{ContactRecord, ContactSet, NO_VERTEX, UNCOLORED};
 use crate::constraints::coloring::VertexColors;
-use crate::constraints::contacts::{Carried, ContactKind};
+use crate::constraints::contacts::{ContactKind, SupportedSide};
 use crate::error::InvalidSolver;
 use incise_mesh::VertexId;
 
@@ -60,7 +60,7 @@ impl ContactRecord {
         has_vertices
             && first[0] != NO_VERTEX
             && self.kind <= ContactKind::Plane as u16
-            && self.carried <= Carried::Upper as u16
+            && self.carried <= SupportedSide::Upper as u16
             && numbers.into_iter().all(|number| number.is_finite())
     }
 }

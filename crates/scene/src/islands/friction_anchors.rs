@@ -1,10 +1,10 @@
-//! [`HeldContacts`]: where friction held contacts at the end of a frame.
+//! [`FrictionAnchors`]: where friction held contacts at the end of a frame.
 //!
 //! Contacts are found again in every frame. This list has the positions at which friction held them
 //! in the last one. Without it, the balls of a heap would creep.
 
 use incise_mesh::{VertexId, index_u32};
-use incise_pbd_gpu::{Contact, ContactSet, Held};
+use incise_pbd_gpu::{Contact, ContactSet, FrictionAnchor};
 
 /// A contact and where friction held it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,20 +12,20 @@ use incise_pbd_gpu::{Contact, ContactSet, Held};
 struct HeldContact {
     /// Body and vertex of each of its vertices.
     key: [[u32; 2]; 4],
-    held: Held,
+    held: FrictionAnchor,
 }
 
 /// The held contacts of the last frame, in memory reused between frames.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct HeldContacts {
+pub(crate) struct FrictionAnchors {
     /// Ascending by key once it is [sorted](Self::sort).
     list: Vec<HeldContact>,
     /// By body index: version of its topology; none of a body whose contacts are forgotten.
     versions: Vec<Option<u64>>,
 }
 
-impl HeldContacts {
+impl FrictionAnchors {
     /// Begins a list without contacts; `versions` are those of the bodies' topologies.
     pub(crate) fn begin(&mut self, versions: impl Iterator<Item = Option<u64>>) {
         self.list.clear();
@@ -42,7 +42,7 @@ impl HeldContacts {
         self.list.extend(held);
     }
 
-    /// Sorts the contacts, for [`HeldContacts::find`].
+    /// Sorts the contacts, for [`FrictionAnchors::find`].
     pub(crate) fn sort(&mut self) {
         self.list.sort_unstable_by_key(|contact| contact.key);
     }
@@ -65,7 +65,7 @@ impl HeldContacts {
         &self,
         contact: &Contact,
         bodies: [(usize, Option<u64>); 2],
-    ) -> Option<Held> {
+    ) -> Option<FrictionAnchor> {
         let mut both = bodies.into_iter();
         if !both.all(|(i, version)| self.is_current(i, version)) {
             return None;

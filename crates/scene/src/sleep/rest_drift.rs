@@ -1,4 +1,4 @@
-//! [`Excursion`]: the displacement of a body in contact while it is observed.
+//! [`RestDrift`]: the displacement of a body in contact while it is observed.
 //!
 //! Contacts of resting bodies may alternate from frame to frame. Their vertices then move in a
 //! cycle of some frames, faster than [`SleepParams::speed`](super::SleepParams::speed), without a
@@ -19,7 +19,7 @@ pub(super) const LAST: u32 = 32;
 /// The motion of a body since the start of its observation, measured before every frame.
 #[derive(Debug, Clone, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Excursion {
+pub(crate) struct RestDrift {
     /// Positions at the start of the observation \[m\], shape [vertex slots].
     start: Vec<[f32; 4]>,
     /// Whether the current frame is measured.
@@ -30,7 +30,7 @@ pub(crate) struct Excursion {
     has_returned: [bool; 2],
 }
 
-impl Excursion {
+impl RestDrift {
     /// Measures before a frame; `frames` counts those since the start of the observation.
     ///
     /// `limits` \[m\] bound the displacement along an axis: of a body that is back, and of one
@@ -82,7 +82,7 @@ mod tests {
 
     /// Returns whether a vertex stays in place that moves along heights \[m\], one per frame.
     fn stays(height: impl Fn(u32) -> f32) -> bool {
-        let mut excursion = Excursion::default();
+        let mut excursion = RestDrift::default();
         for frame in 0..=LAST {
             let positions = [[0.0; 4], [1.0, height(frame), 0.0, 1.0]];
             excursion.measure(&positions, frame, [0.01 * f64::from(frame), 0.5]);
@@ -108,7 +108,7 @@ mod tests {
 
     #[test]
     fn motion_is_unknown_after_a_frame_that_was_not_measured() {
-        let mut excursion = Excursion::default();
+        let mut excursion = RestDrift::default();
         for _ in 0..2 {
             for frame in 0..=LAST {
                 excursion.measure(&[[0.0; 4]], frame, [0.0; 2]);

@@ -1,4 +1,4 @@
-//! [`Knife`]: the cuts of a simulation, by planes and by blades that move from pose to pose.
+//! [`ScheduledCuts`]: the cuts of a simulation, by planes and by blades that move along poses.
 
 use super::bodies::Bodies;
 use super::scene_file::{SceneFile, SceneFileError};
@@ -47,7 +47,7 @@ enum Motion {
 }
 
 /// The cuts of a simulation.
-pub(super) struct Knife {
+pub(super) struct ScheduledCuts {
     blades: Vec<Blade>,
     /// Triangles hit so far.
     pub(super) hits: usize,
@@ -57,7 +57,7 @@ pub(super) struct Knife {
     pub(super) bounds_at_start: Aabb,
 }
 
-impl Knife {
+impl ScheduledCuts {
     /// Creates the cuts of a scene; all times must be within it.
     pub(super) fn new(file: &SceneFile) -> Result<Self, Failure> {
         let mut motions = Vec::new();
