@@ -9,7 +9,7 @@ namespace Incise
         public const string Dt = "dt";
         /// <summary>Projections of every constraint per substep, usually 1 to 20.</summary>
         public const string SolverIterations = "solver.iterations";
-        /// <summary>Minimum substeps per frame, usually 1 to 20. They stiffen a body more than as many iterations.</summary>
+        /// <summary>Minimum substeps per frame, usually 1 to 20. They stiffen a body more than the same number of iterations.</summary>
         public const string SolverSubsteps = "solver.substeps";
         /// <summary>Gravitational acceleration.</summary>
         public const string SolverGravity = "solver.gravity";
@@ -184,7 +184,7 @@ namespace Incise
         public const string GlobalBodies = "global_bodies";
         /// <summary>Memory of their global steps.</summary>
         public const string GlobalBytes = "global_bytes";
-        /// <summary>Longest time of the last factorization of a body, beside the frames or in its first one.</summary>
+        /// <summary>Longest time of the last factorization of a body, mostly in the background.</summary>
         public const string FactorSeconds = "factor_seconds";
         /// <summary>Greatest age of a factor in use, in frames since its constraints were copied.</summary>
         public const string FactorAge = "factor_age";
