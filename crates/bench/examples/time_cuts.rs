@@ -15,22 +15,25 @@ use std::time::{Duration, Instant};
 /// Number of planes.
 const COUNT: u32 = 50;
 
-/// Positions and triangles of a mesh.
-type Arrays = (Vec<[f32; 3]>, Vec<[u32; 3]>);
+/// A mesh as arrays.
+struct Arrays {
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+}
 
 fn arrays(surface: &Surface) -> Arrays {
     let topology = surface.topology();
     let corners = |t| topology.triangle(t).map(|v| v.0);
     let positions = surface.positions().iter().map(|&[x, y, z, _]| [x, y, z]);
-    (
-        positions.collect(),
-        topology.triangles().map(corners).collect(),
-    )
+    Arrays {
+        positions: positions.collect(),
+        triangles: topology.triangles().map(corners).collect(),
+    }
 }
 
 /// Cuts by a plane through the middle of the bounding box.
-fn cut((positions, triangles): &Arrays, normal: Vec3) -> Result<Vec<Arrays>, Box<dyn Error>> {
-    let mut surface = Surface::from_triangles(positions, triangles)?;
+fn cut(mesh: &Arrays, normal: Vec3) -> Result<Vec<Arrays>, Box<dyn Error>> {
+    let mut surface = Surface::from_triangles(&mesh.positions, &mesh.triangles)?;
     let bounds = surface.bounds();
     let plane = Sweep::from_plane(normal.into(), normal.dot(&bounds.center()), &bounds)?;
     let mut cutter = Cutter::new(&surface);
@@ -65,7 +68,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let ms = |time: Duration| time.as_secs_f64() * 1e3;
     println!(
         "{} triangles, {COUNT} planes: median {:.3} ms, fastest {:.3} ms",
-        input.1.len(),
+        input.triangles.len(),
         ms(times[times.len() / 2]),
         ms(times[0])
     );

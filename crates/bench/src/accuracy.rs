@@ -3,40 +3,25 @@
 mod after_cut;
 mod convergence;
 mod cuts;
-#[cfg(feature = "gpu")]
-mod device;
-#[cfg(not(feature = "gpu"))]
-mod device {
-    use super::run::Run;
-    use super::scene::Body;
-    use incise_pbd_gpu::SolverParams;
-
-    crate::no_gpu::absent_device! {
-        name() -> &str;
-        run(&Body, &SolverParams, u32) -> Result<Run, crate::no_gpu::NoGpu>;
-    }
-}
 mod error;
 mod run;
 mod scene;
 mod scenes;
-mod shapes;
 #[cfg(test)]
 mod tests;
 
+use crate::gpu::Device;
+use crate::models::named;
+use crate::motion::DT;
 use crate::options::{BackendArguments, OutputArguments};
-use crate::output::{Origin, Output};
-use clap::Args;
-use convergence::{Convergence, FLOOR_SUBSTEPS};
-use device::Device;
-use error::{ErrorMeasure, Errors};
-use incise_mesh::TriangleId;
-use incise_pbd_gpu::SolverParams;
-use incise_progress::Progress;
-use incise_reference::{ReferenceError, State};
+use crate::output::Output;
+use clap::{Args, ValueEnum};
+use convergence::{Convergence, Exact, FLOOR_SUBSTEPS};
+use error::Errors;
+use incise_reference::ReferenceError;
 use incise_scene::BackendChoice;
 use run::Run;
-use scene::{Body, DT, Scene, Scheme};
+use scene::{Scene, Scheme};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -97,7 +82,7 @@ type AccuracyOutput<'a> = Output<'a, ()>;
 #[derive(Debug, Serialize)]
 struct Row {
     kind: &'static str,
-    scheme: &'static str,
+    scheme: Scheme,
     substeps: u32,
     iterations: u32,
     #[serde(flatten)]
@@ -170,23 +155,21 @@ pub(crate) fn run(
         true => Some(Device::open(arguments.backends.adapter.as_deref())?),
         false => None,
     };
-    let is_wanted =
-        |name: &&str| arguments.only.is_empty() || arguments.only.iter().any(|n| n == name);
-    let names: Vec<&str> = scenes::NAMES.into_iter().filter(is_wanted).collect();
-    let ways = Scheme::ALL.len() * powers(arguments.most).len() * backends.len();
-    let progress = output.progress(names.len(), ways as u64);
+    let names = named(scenes::NAMES.to_vec(), |name| name, &arguments.only)?;
+    let ways = Scheme::value_variants().len() * powers(arguments.most).len() * backends.len();
+    output.start(names.len(), ways as u64);
     for name in names {
-        progress.begin(name);
+        output.progress.begin(name);
+        output.set_backend("cpu", None);
         let runs = SceneRuns::new(arguments, name, &mut output)?;
-        progress.suspend(|| output.table())?;
+        output.table()?;
         for &backend in &backends {
             let device = device.as_mut().filter(|_| backend == BackendChoice::Gpu);
-            let points = runs.measure(device, &progress, &mut output)?;
+            let points = runs.measure(device, &mut output)?;
             let front = pareto_front(&points);
-            progress.suspend(|| output.table_of(|i| front.contains(&i)))?;
+            output.table_of(|i| front.contains(&i))?;
         }
     }
-    progress.end();
     Ok(())
 }
 
@@ -216,10 +199,8 @@ fn pareto_front(points: &[Option<[f64; 2]>]) -> Vec<usize> {
 struct SceneRuns<'a> {
     arguments: &'a AccuracyArguments,
     scene: Scene,
-    start: State,
-    triangles: Vec<[usize; 3]>,
     convergence: Convergence,
-    exact: Result<convergence::Exact, ReferenceError>,
+    exact: Result<Exact, ReferenceError>,
 }
 
 impl<'a> SceneRuns<'a> {
@@ -232,75 +213,64 @@ impl<'a> SceneRuns<'a> {
         let scene = scenes::scene(name)?;
         let body = scene.body()?;
         let convergence = Convergence::compute(&scene, &body, &powers(arguments.most))?;
-        let runs = Self {
-            arguments,
-            start: State::of(&body.solver, &body.surface),
-            triangles: closed_triangles(&body),
-            exact: convergence.exact(),
-            convergence,
-            scene,
-        };
-        let (topology, exact) = (body.surface.topology(), runs.exact.as_ref().ok());
-        let floor = |n| runs.convergence.floor(exact?, n);
+        let exact = convergence.exact();
+        let (topology, known) = (body.surface.topology(), exact.as_ref().ok());
         let row = ReferenceRow {
             kind: "reference",
             triangles: topology.triangle_count(),
             vertices: topology.vertex_count(),
             pins: body.solver.pins().len(),
-            frames: runs.scene.frames,
-            seconds: runs.convergence.seconds,
-            uncertainty: exact.map(|exact| exact.uncertainty),
-            floors: FLOOR_SUBSTEPS.map(|n| (n, floor(n))).into(),
-            sag: exact.and_then(|exact| runs.error_measure().sag(&exact.states)),
-            refusal: runs.exact.as_ref().err().map(ReferenceError::to_string),
+            frames: scene.frames,
+            seconds: convergence.seconds,
+            uncertainty: known.map(|exact| exact.uncertainty),
+            floors: FLOOR_SUBSTEPS
+                .map(|n| (n, known.and_then(|exact| convergence.floor(exact, n))))
+                .into(),
+            sag: known.and_then(|exact| convergence.measure.sag(&exact.states)),
+            refusal: exact.as_ref().err().map(ReferenceError::to_string),
         };
-        output.cpu_row(name, &row)?;
-        Ok(runs)
-    }
-
-    fn error_measure(&self) -> ErrorMeasure<'_> {
-        ErrorMeasure {
-            model: &self.convergence.model,
-            triangles: &self.triangles,
-            start: &self.start,
-            is_held: !self.scene.pins.is_empty(),
-        }
+        output.row(name, &row)?;
+        Ok(Self {
+            arguments,
+            scene,
+            convergence,
+            exact,
+        })
     }
 
     /// Makes all runs on a GPU, or on the CPU; returns their times and total errors.
     fn measure(
         &self,
         mut device: Option<&mut Device>,
-        progress: &Progress,
         output: &mut AccuracyOutput<'_>,
     ) -> Result<Vec<Option<[f64; 2]>>, Box<dyn Error>> {
         let scene = &self.scene;
+        match &device {
+            Some(device) => output.set_backend("gpu", Some(device.name())),
+            None => output.set_backend("cpu", None),
+        }
         let numbers = powers(self.arguments.most);
-        let both = Scheme::ALL
-            .iter()
-            .flat_map(|s| numbers.iter().map(move |n| (*s, *n)));
-        let name = match &device {
-            Some(device) => device.name().to_owned(),
-            None => output.machine.clone(),
-        };
-        let origin = Origin {
-            backend: if device.is_some() { "gpu" } else { "cpu" },
-            device: &name,
-        };
+        let schemes = Scheme::value_variants().iter();
+        let both = schemes.flat_map(|scheme| numbers.iter().map(move |n| (*scheme, *n)));
         let mut points = Vec::new();
         for (scheme, substeps) in both {
-            progress.step();
-            if device.is_some() && scheme.is_cpu_only() {
+            output.progress.step();
+            if device.is_some() && !scheme.is_on_gpu() {
                 continue;
             }
             let body = scene.body_by(scheme, f64::from(DT) / f64::from(substeps))?;
             let most = (self.arguments.most_iterations).min(scheme.most_iterations());
-            let ways = numbers
-                .iter()
-                .take_while(|&&iterations| substeps * iterations <= most);
-            for &iterations in ways {
+            let ways = numbers.iter().copied();
+            for iterations in ways.take_while(|iterations| substeps * iterations <= most) {
                 let params = scene.params_by(scheme, substeps, iterations);
-                let run = step(device.as_deref_mut(), scheme, &body, &params, scene.frames);
+                let frames = scene.frames;
+                let run: Result<Run, Box<dyn Error>> = match &mut device {
+                    _ if scheme == Scheme::Patches => {
+                        run::by_patches(&body, &params, frames).map_err(Into::into)
+                    }
+                    Some(gpu) => run::on_gpu(gpu, &body, &params, frames).map_err(Into::into),
+                    None => run::on_cpu(&body, &params, frames).map_err(Into::into),
+                };
                 let (found, refusal) = match run {
                     Ok(run) => (self.found(&run, scheme, substeps), None),
                     Err(error) => (Found::default(), Some(error.to_string())),
@@ -308,13 +278,13 @@ impl<'a> SceneRuns<'a> {
                 points.push(found.point());
                 let row = Row {
                     kind: "run",
-                    scheme: scheme.name(),
+                    scheme,
                     substeps,
                     iterations,
                     found,
                     refusal,
                 };
-                output.row(scene.name, origin, &row)?;
+                output.row(scene.name, &row)?;
             }
         }
         Ok(points)
@@ -322,14 +292,13 @@ impl<'a> SceneRuns<'a> {
 
     /// Compares a run with the reference.
     fn found(&self, run: &Run, scheme: Scheme, substeps: u32) -> Found {
-        let ms = |seconds: f64| seconds * 1e3;
-        let measure = self.error_measure();
-        let solver = self.convergence.known(scheme, substeps);
+        let measure = &self.convergence.measure;
+        let solver = self.convergence.known(scheme.integrator(), substeps);
         let exact = self.exact.as_ref().ok();
         Found {
-            ms_per_frame: Some(ms(run.seconds)),
-            ms_encode: run.encode.map(ms),
-            ms_device: run.device.map(ms),
+            ms_per_frame: run.frames.median_ms(),
+            ms_encode: run.encode.median_ms(),
+            ms_device: run.device.median_ms(),
             projections_per_frame: run.projections,
             solver: solver.map(|reference| measure.errors(&run.states, reference)),
             total: exact.map(|exact| measure.errors(&run.states, &exact.states)),
@@ -337,31 +306,4 @@ impl<'a> SceneRuns<'a> {
             floor_position: exact.and_then(|exact| self.convergence.floor(exact, substeps)),
         }
     }
-}
-
-fn step(
-    device: Option<&mut Device>,
-    scheme: Scheme,
-    body: &Body,
-    params: &SolverParams,
-    frames: u32,
-) -> Result<Run, Box<dyn Error>> {
-    match device {
-        _ if scheme == Scheme::Patches => Ok(run::by_patches(body, params, frames)?),
-        Some(device) => Ok(device.run(body, params, frames)?),
-        None => Ok(run::on_cpu(body, params, frames)?),
-    }
-}
-
-/// Returns the triangles of a closed surface, none of an open one.
-fn closed_triangles(body: &Body) -> Vec<[usize; 3]> {
-    let topology = body.surface.topology();
-    let is_open = |t: TriangleId| t.half_edges().iter().any(|&h| topology.twin(h).is_null());
-    if topology.triangles().any(is_open) {
-        return Vec::new();
-    }
-    let triangles = topology.triangles();
-    triangles
-        .map(|t| topology.triangle(t).map(|v| v.index()))
-        .collect()
 }

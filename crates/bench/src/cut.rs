@@ -3,15 +3,14 @@
 
 mod body;
 mod latency;
-mod planes;
 mod progressive;
-mod times;
 
-use crate::method::MethodArguments;
-use crate::options::{ModelArguments, OutputArguments};
+use crate::options::{MethodArguments, ModelArguments, OutputArguments};
 use crate::output::Output;
-use crate::workload::workloads;
+use crate::workload::{Workload, workloads};
+use body::{CutBody, Outcomes, StageTimes};
 use clap::Args;
+use incise_models::scenes::RelativePlane;
 use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
@@ -57,7 +56,7 @@ pub(crate) struct CutArguments {
 }
 
 /// The parameters of all rows.
-#[derive(Args, Clone, Debug, Serialize)]
+#[derive(Args, Clone, Copy, Debug, Serialize)]
 struct Parameters {
     #[command(flatten)]
     #[serde(flatten)]
@@ -70,54 +69,107 @@ struct Parameters {
 /// The output of the bench.
 type CutOutput<'a> = Output<'a, Parameters>;
 
-/// Successful and failed cuts.
-#[derive(Debug, Default)]
-struct Counts {
-    done: usize,
-    failed: usize,
-}
-
-impl Counts {
-    fn add(&mut self, done: usize, failures: &[String]) {
-        self.done += done;
-        self.failed += failures.len();
-    }
-}
-
 /// Measures all workloads, prints and writes the rows.
 pub(crate) fn run(arguments: &CutArguments, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
-    let parameters = arguments.parameters.clone();
-    let (method, exact) = (parameters.caps.method(), parameters.caps.exact());
-    let seed = parameters.seed;
+    let parameters = arguments.parameters;
     let mut output = Output::open("cut", &arguments.output, parameters, out)?;
     if arguments.progressive {
-        return progressive::run(arguments, &exact, output);
+        return progressive::run(arguments, output);
     }
     let workloads = workloads(&arguments.models, arguments.max_triangles)?;
-    let mut counts = Counts::default();
-    let progress = output.progress(workloads.len(), 1);
+    let (mut done, mut failed) = (0, 0);
+    output.start(workloads.len(), 1);
     for workload in &workloads {
-        progress.begin(&workload.name);
-        for row in planes::measure(workload, &method, arguments.planes, seed)? {
-            counts.add(row.cuts, &row.failures);
-            output.cpu_row(&workload.name, &row)?;
+        output.progress.begin(&workload.name);
+        for row in measure(workload, arguments)? {
+            done += row.cuts;
+            failed += row.failures.len();
+            output.row(&workload.name, &row)?;
         }
-        progress.step();
+        output.progress.step();
     }
-    progress.end();
     output.table()?;
     let is_latency = |name: &String| name.trim().eq_ignore_ascii_case(latency::MODEL);
     let only = &arguments.models.only;
     if arguments.cuts > 0 && (only.is_empty() || only.iter().any(is_latency)) {
         // With coarser caps, no slice would hit as many triangles after a few hundred others.
         output.parameters.caps.grading = 0.0;
-        let method = output.parameters.caps.method();
-        for row in latency::measure(method, arguments.cuts, seed)? {
-            counts.add(row.probes, &row.failures);
-            output.cpu_row(latency::MODEL, &row)?;
+        for row in latency::measure(&output.parameters, arguments.cuts)? {
+            done += row.probes;
+            failed += row.failures.len();
+            output.row(latency::MODEL, &row)?;
         }
         output.table()?;
     }
-    let Counts { done, failed } = counts;
     Ok(output.print(format_args!("Failed: {failed} of {} cuts.", done + failed))?)
+}
+
+/// Repetitions of the plane through the middle.
+const REPEATS: usize = 15;
+
+/// Cuts of one model along one plane or many.
+#[derive(Debug, Serialize)]
+struct Row {
+    kind: &'static str,
+    family: Option<&'static str>,
+    source: String,
+    /// `middle`: the plane through the middle, repeated; `seeded`: seeded planes.
+    planes: &'static str,
+    triangles: usize,
+    /// Hit triangles, median.
+    hits: f64,
+    /// Triangles of both caps, median.
+    cap_triangles: f64,
+    cuts: usize,
+    /// Number of planes without a hit.
+    missed: usize,
+    /// Errors of cuts, with their planes.
+    failures: Vec<String>,
+    ms_median: StageTimes,
+    ms_p99: StageTimes,
+}
+
+/// Returns a row for the plane through the middle and one for the seeded planes.
+///
+/// # Errors
+/// An error of the solver or of an undo; errors of cuts are recorded.
+fn measure(workload: &Workload, arguments: &CutArguments) -> Result<Vec<Row>, Box<dyn Error>> {
+    let parameters = &arguments.parameters;
+    let mut body = CutBody::new(workload.surface()?, parameters.caps)?;
+    let triangles = body.surface.topology().triangle_count();
+    let mut run = |planes: &[RelativePlane]| -> Result<Outcomes, Box<dyn Error>> {
+        let mut outcomes = Outcomes::default();
+        for plane in planes {
+            let (sweep, d) = plane.sweep(&body.surface)?;
+            body.probe(&sweep, plane.normal, d, &mut outcomes)?;
+        }
+        Ok(outcomes)
+    };
+    // The first cut grows buffers.
+    run(&[RelativePlane::middle()])?;
+    let mut all = vec![("middle", run(&[RelativePlane::middle(); REPEATS])?)];
+    if arguments.planes > 0 {
+        all.push((
+            "seeded",
+            run(&RelativePlane::seeded(parameters.seed, arguments.planes))?,
+        ));
+    }
+    let rows = all.into_iter().map(|(planes, outcomes)| {
+        let [hits, cap_triangles] = outcomes.medians();
+        Row {
+            kind: "cut",
+            family: workload.family,
+            source: workload.source.clone(),
+            planes,
+            triangles,
+            hits,
+            cap_triangles,
+            cuts: outcomes.times.len(),
+            missed: outcomes.missed,
+            ms_median: StageTimes::percentile(&outcomes.times, 50),
+            ms_p99: StageTimes::percentile(&outcomes.times, 99),
+            failures: outcomes.failures,
+        }
+    });
+    Ok(rows.collect())
 }

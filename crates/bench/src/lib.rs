@@ -8,13 +8,10 @@
 #[cfg(feature = "reference")]
 mod accuracy;
 mod cut;
-mod machine;
+mod gpu;
 mod measure;
-mod method;
 mod models;
 mod motion;
-#[cfg(not(feature = "gpu"))]
-mod no_gpu;
 mod options;
 mod output;
 mod program;
@@ -22,7 +19,6 @@ mod refine;
 mod skip;
 mod solver;
 mod stability;
-mod statistics;
 mod step;
 mod table;
 mod text_table;

@@ -1,6 +1,6 @@
 //! Repeated runs and their times: warm-up, budget and statistics.
 
-use crate::statistics::{percentile, sorted};
+use serde::Serialize;
 use stats_alloc::INSTRUMENTED_SYSTEM;
 use std::time::{Duration, Instant};
 
@@ -73,6 +73,12 @@ impl Times {
         self.percentile(50)
     }
 
+    /// Returns the median \[ms\]; none without runs.
+    #[cfg(feature = "reference")]
+    pub(crate) fn median_ms(&self) -> Option<f64> {
+        (!self.0.is_empty()).then(|| self.median() * 1e3)
+    }
+
     /// Returns the shortest time; NaN without runs.
     pub(crate) fn min(&self) -> f64 {
         self.percentile(0)
@@ -125,14 +131,15 @@ pub(crate) enum Length {
 }
 
 /// Times of frames.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Serialize)]
 pub(crate) struct FrameTimes {
-    /// Time of a frame in a batch, median over batches \[s\].
-    pub(crate) per_frame: f64,
-    /// Time of a single frame, median \[s\].
-    pub(crate) latency: f64,
     /// Number of frames in all batches.
-    pub(crate) frames: u32,
+    frames: u32,
+    /// Time of a frame in a batch, median over batches.
+    pub(crate) ms_per_frame: f64,
+    /// Time of a single frame, median.
+    ms_latency: f64,
+    pub(crate) frames_per_second: f64,
 }
 
 /// Times `run`, which executes a number of frames and returns at the end of the last.
@@ -157,10 +164,12 @@ pub(crate) fn measure_frames<E>(
     let times = measure(&Budget::runs(batches), |times| {
         times.time_frames(frames, || run(frames))
     })?;
+    let seconds = times.median();
     Ok(FrameTimes {
-        per_frame: times.median(),
-        latency,
         frames: batches * frames,
+        ms_per_frame: seconds * 1e3,
+        ms_latency: latency * 1e3,
+        frames_per_second: 1.0 / seconds,
     })
 }
 
@@ -207,26 +216,27 @@ pub(crate) struct Pairs {
 /// The error of a run.
 pub(crate) fn measure_pairs<E>(
     count: u32,
-    mut first: impl FnMut() -> Result<(), E>,
-    mut second: impl FnMut() -> Result<(), E>,
+    functions: &mut [impl FnMut() -> Result<(), E>; 2],
 ) -> Result<Pairs, E> {
-    let runs = [runs_per_sample(&mut first)?, runs_per_sample(&mut second)?];
-    let (mut a, mut b) = (Times::default(), Times::default());
+    let mut runs = [1; 2];
+    for (runs, function) in runs.iter_mut().zip(&mut *functions) {
+        *runs = runs_per_sample(function)?;
+    }
+    let mut samples = [Times::default(), Times::default()];
     let ratios = measure(&Budget::runs(count), |ratios| {
-        if ratios.0.len() % 2 == 0 {
-            sample(&mut a, &mut first, runs[0])?;
-            sample(&mut b, &mut second, runs[1])?;
-        } else {
-            sample(&mut b, &mut second, runs[1])?;
-            sample(&mut a, &mut first, runs[0])?;
+        let first = ratios.0.len() % 2;
+        for k in [first, 1 - first] {
+            sample(&mut samples[k], &mut functions[k], runs[k])?;
         }
-        let last = |times: &Times| times.0.last().copied().unwrap_or(f64::NAN);
-        ratios.0.push(last(&a) / last(&b));
+        let last = samples
+            .each_ref()
+            .map(|times| times.0.last().copied().unwrap_or(f64::NAN));
+        ratios.0.push(last[0] / last[1]);
         Ok(())
     })?;
     Ok(Pairs {
         ratio: ratios.median(),
-        seconds: [a.median(), b.median()],
+        seconds: samples.map(|times| times.median()),
     })
 }
 
@@ -236,14 +246,12 @@ fn runs_per_sample<E>(function: &mut impl FnMut() -> Result<(), E>) -> Result<u3
     loop {
         // The fastest of several: other programs disturb the rest.
         let times = measure(&Budget::runs(5), |times| sample(times, function, runs))?;
-        if times.min() * f64::from(runs) >= SAMPLE.as_secs_f64() {
-            return Ok(runs);
-        }
+        let is_long = times.min() * f64::from(runs) >= SAMPLE.as_secs_f64();
         // A function that was optimized away takes no time.
-        let Some(more) = runs.checked_mul(2) else {
-            return Ok(runs);
-        };
-        runs = more;
+        match runs.checked_mul(2) {
+            Some(more) if !is_long => runs = more,
+            _ => return Ok(runs),
+        }
     }
 }
 
@@ -256,53 +264,26 @@ fn sample<E>(
     times.time_frames(runs, || (0..runs).try_for_each(|_| function()))
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// Returns the mean; NaN without values.
+pub(crate) fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
 
-    #[test]
-    fn every_frame_of_the_budget_runs_in_small_batches() {
-        for asked in [1, 2, 7, 100, 5000] {
-            let (mut largest, mut all) = (0, 0);
-            let times = measure_frames(Length::Frames(asked), |n| {
-                largest = largest.max(n);
-                all += n;
-                Ok::<(), ()>(())
-            });
-            let times = times.unwrap();
-            assert!(largest <= MAX_BATCH, "{largest}");
-            assert!(times.frames <= asked && times.frames > asked / 2, "{asked}");
-            assert_eq!(all, times.frames + WARM_UP + SINGLE_FRAMES.min(asked));
-        }
-    }
+/// Returns the smallest value that `percent` of the sorted values do not exceed; NaN without
+/// values.
+pub(crate) fn percentile(sorted: &[f64], percent: usize) -> f64 {
+    let rank = (sorted.len() * percent).div_ceil(100);
+    let value = sorted.get(rank.saturating_sub(1));
+    value.copied().unwrap_or(f64::NAN)
+}
 
-    #[test]
-    fn slow_frames_run_a_few_times_and_fast_ones_in_batches() {
-        assert_eq!(plan(Length::Seconds(1.0), 5.0), (3, 1));
-        assert_eq!(plan(Length::Seconds(1.0), 0.2), (5, 1));
-        assert_eq!(plan(Length::Seconds(1.0), 0.01), (7, 14));
-        let (batches, frames) = plan(Length::Seconds(1.0), 1e-5);
-        assert!(frames == MAX_BATCH && batches > BATCHES, "{batches}");
-    }
+/// Sorts values.
+pub(crate) fn sorted(mut values: Vec<f64>) -> Vec<f64> {
+    values.sort_unstable_by(f64::total_cmp);
+    values
+}
 
-    #[test]
-    fn a_budget_ends_by_number_and_by_time() {
-        let runs = |runs, seconds| {
-            let budget = Budget {
-                warm_up: 1,
-                runs,
-                seconds,
-            };
-            let mut count = 0;
-            let times = measure(&budget, |times| {
-                count += 1;
-                times.0.push(f64::from(count));
-                Ok::<(), ()>(())
-            });
-            times.unwrap().0
-        };
-        assert_eq!(runs([2, 3], [f64::INFINITY; 2]), [2.0, 3.0, 4.0]);
-        assert_eq!(runs([2, 9], [0.0, f64::INFINITY]), [2.0, 3.0]);
-        assert_eq!(runs([2, 9], [0.0; 2]), [2.0], "one run is enough");
-    }
+/// Returns the median, the lower of two; NaN without values.
+pub(crate) fn median(values: Vec<f64>) -> f64 {
+    percentile(&sorted(values), 50)
 }

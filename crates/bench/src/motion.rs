@@ -4,10 +4,34 @@ use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3, VertexId};
 use incise_pbd_gpu::{ConstraintError, Material, Solver, Stiffness};
 
+/// Length of a frame \[s\].
+pub(crate) const DT: f32 = incise_models::scenes::FRAME;
 /// Angular velocity about the vertical axis \[1/s\].
 const SPIN: f64 = 1.0;
 /// Rate at which the body is squeezed along its vertical axis \[1/s\].
 const SQUEEZE: f64 = 0.25;
+
+/// A surface with its solver.
+#[derive(Debug, Clone)]
+pub(crate) struct Body {
+    pub(crate) surface: Surface,
+    pub(crate) solver: Solver,
+}
+
+impl Body {
+    /// Returns a body that spins and is squeezed.
+    ///
+    /// # Errors
+    /// The error of `new_solver`.
+    pub(crate) fn moving(
+        mut surface: Surface,
+        new_solver: impl FnOnce(&mut Surface) -> Result<Solver, ConstraintError>,
+    ) -> Result<Self, ConstraintError> {
+        let mut solver = new_solver(&mut surface)?;
+        start(&mut solver, &surface)?;
+        Ok(Self { surface, solver })
+    }
+}
 
 /// Returns the material of a shell that does not stretch and resists bending.
 pub(crate) fn material() -> Material {

@@ -1,8 +1,14 @@
 //! Options that several benches share.
 
-use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use incise_scene::BackendChoice;
+use clap::{Args, ValueEnum};
+use incise_cut::{CutOutcome, CutParams, Cutter, Sweep};
+use incise_mesh::Surface;
+use incise_paper::PaperParams;
+use incise_refine::{RefineParams, RefinementLevel};
+use incise_scene::{BackendChoice, BackendRequest};
+use serde::{Serialize, Serializer};
+use std::error::Error;
 use std::path::PathBuf;
 
 /// Output of rows and progress.
@@ -67,6 +73,16 @@ impl BackendArguments {
         each
     }
 
+    /// Returns the request of a scene's backend, which may be a software adapter.
+    pub(crate) fn request(&self, choice: BackendChoice) -> BackendRequest {
+        BackendRequest {
+            choice,
+            adapter: self.adapter.clone(),
+            allow_software: true,
+            min_gpu_constraints: None,
+        }
+    }
+
     /// Returns the CPU, the GPU or both in the given order; the CPU if none is named.
     ///
     /// # Errors
@@ -105,4 +121,78 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
     value
         .filter(|v| v.is_finite() && *v > 0.0)
         .ok_or_else(|| format!("'{text}' is not a positive number or fraction"))
+}
+
+/// A cut method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Method {
+    /// Splits hit triangles, keeps the volume, closes any cross-section.
+    Exact,
+    /// The paper's method: deletes hit triangles and rebuilds the rim.
+    Paper,
+}
+
+/// The cut method and the refinement of its caps.
+#[derive(Args, Debug, Clone, Copy, Serialize)]
+pub(crate) struct MethodArguments {
+    /// Cut method.
+    #[arg(long, value_enum, default_value_t = Method::Exact)]
+    pub(crate) method: Method,
+    /// Refinement level of the caps: one of the five names, or z.
+    #[arg(long, default_value = "1")]
+    #[serde(serialize_with = "z")]
+    pub(crate) level: RefinementLevel,
+    /// Growth of the caps' edge length per meter of distance from the boundary.
+    #[arg(long, default_value_t = RefineParams::default().grading)]
+    pub(crate) grading: f64,
+}
+
+impl MethodArguments {
+    /// Returns the parameters of a cut by the exact method.
+    pub(crate) fn exact(&self) -> CutParams {
+        CutParams {
+            refine: RefineParams {
+                level: self.level,
+                grading: self.grading,
+                ..RefineParams::default()
+            },
+            ..CutParams::default()
+        }
+    }
+
+    /// Cuts a surface, or one of its pieces.
+    ///
+    /// # Errors
+    /// The reason why the method refused the cut.
+    pub(crate) fn cut(
+        &self,
+        cutter: &mut Cutter,
+        surface: &mut Surface,
+        sweep: &Sweep,
+        only_piece: Option<u32>,
+    ) -> Result<CutOutcome, Box<dyn Error>> {
+        match self.method {
+            Method::Exact => {
+                let params = CutParams {
+                    only_piece,
+                    ..self.exact()
+                };
+                Ok(cutter.cut(surface, sweep, &params)?)
+            }
+            Method::Paper => {
+                let params = PaperParams {
+                    level: self.level,
+                    only_piece,
+                    ..PaperParams::default()
+                };
+                Ok(incise_paper::cut(cutter, surface, sweep, &params)?.cut)
+            }
+        }
+    }
+}
+
+/// Serializes a refinement level as its number.
+fn z<S: Serializer>(level: &RefinementLevel, to: S) -> Result<S::Ok, S::Error> {
+    to.serialize_f64(level.z())
 }

@@ -1,6 +1,5 @@
-//! Rows of all benches, as JSON lines and as printed tables.
+//! Rows of all benches, as JSON lines and as printed tables, and the progress of a run.
 
-use crate::machine;
 use crate::options::OutputArguments;
 use crate::text_table::text_table;
 use incise_params::Value;
@@ -12,37 +11,6 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-/// An error of writing results.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum OutputError {
-    /// A file cannot be created or opened.
-    #[error("{}: cannot be written: {source}; nothing was measured", path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// The system's error.
-        source: io::Error,
-    },
-    /// An open file cannot be written.
-    #[error("{}: not written: {source}; the run ends", path.display())]
-    Lost {
-        /// The file.
-        path: PathBuf,
-        /// The system's error.
-        source: io::Error,
-    },
-    /// A row is not an object with names as keys.
-    #[error("a row cannot be written: {0}")]
-    Row(#[from] serde_json::Error),
-}
-
-/// The backend of a row, and the machine or GPU that did the work.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Origin<'a> {
-    pub(crate) backend: &'a str,
-    pub(crate) device: &'a str,
-}
-
 /// A row: the header of all benches, the parameters of the run, and the fields of the bench.
 #[derive(Serialize)]
 struct Row<'a, P, F> {
@@ -50,8 +18,11 @@ struct Row<'a, P, F> {
     /// The model, scene, feature or case.
     name: &'a str,
     backend: &'a str,
+    /// The machine or GPU that did the work.
     device: &'a str,
     machine: &'a str,
+    /// The commit of the build, marked `-dirty` for modified sources; `unknown` outside of a
+    /// repository.
     commit: &'static str,
     version: &'static str,
     #[serde(flatten)]
@@ -63,74 +34,73 @@ struct Row<'a, P, F> {
 /// Writes the rows of a bench with its parameters.
 pub(crate) struct Output<'a, P> {
     bench: &'static str,
-    pub(crate) machine: String,
+    machine: String,
+    backend: &'static str,
+    device: String,
     pub(crate) parameters: P,
     out: &'a mut dyn Write,
     json: Option<(PathBuf, File)>,
     is_quiet: bool,
+    /// The progress bar, which every printed text hides for its time.
+    pub(crate) progress: Progress,
     /// Rows that are not printed yet.
     rows: Vec<Value>,
 }
 
 impl<'a, P: Serialize> Output<'a, P> {
     /// Opens the file of `--json` before anything is measured, so that a bad path is reported at
-    /// once.
+    /// once. Rows are those of the CPU until [`Output::set_backend`].
     ///
     /// # Errors
-    /// [`OutputError::File`].
+    /// A message for a file that cannot be opened.
     pub(crate) fn open(
         bench: &'static str,
         arguments: &OutputArguments,
         parameters: P,
         out: &'a mut dyn Write,
-    ) -> Result<Self, OutputError> {
+    ) -> Result<Self, Box<dyn Error>> {
         let json = arguments.json.as_deref().map(open_file).transpose()?;
+        let machine = machine();
         Ok(Self {
             bench,
-            machine: machine::machine(),
+            device: machine.clone(),
+            machine,
+            backend: "cpu",
             parameters,
             out,
             json,
             is_quiet: arguments.quiet,
+            progress: Progress::new(0, 0, Visibility::Never),
             rows: Vec::new(),
         })
     }
 
-    /// Returns the progress of a run of `parts`, each of `steps`.
-    pub(crate) fn progress(&self, parts: usize, steps: u64) -> Progress {
+    /// Sets the backend of the next rows, and the GPU if it has one.
+    pub(crate) fn set_backend(&mut self, backend: &'static str, gpu: Option<String>) {
+        self.backend = backend;
+        self.device = gpu.unwrap_or_else(|| self.machine.clone());
+    }
+
+    /// Shows the progress of a run of `parts`, each of `steps`.
+    pub(crate) fn start(&mut self, parts: usize, steps: u64) {
         let shown = if self.is_quiet {
             Visibility::Never
         } else {
             Visibility::Everywhere
         };
-        Progress::new(parts as u64, steps, shown)
-    }
-
-    /// Appends a row measured on the CPU to the file, and keeps it for [`Output::table`].
-    ///
-    /// # Errors
-    /// [`OutputError::Lost`], [`OutputError::Row`].
-    pub(crate) fn cpu_row(
-        &mut self,
-        name: &str,
-        fields: &impl Serialize,
-    ) -> Result<(), OutputError> {
-        let device = self.machine.clone();
-        let (backend, device) = ("cpu", device.as_str());
-        self.row(name, Origin { backend, device }, fields)
+        self.progress = Progress::new(parts as u64, steps, shown);
     }
 
     /// Appends a row to the file, and keeps it for [`Output::table`].
     ///
     /// # Errors
-    /// [`OutputError::Lost`], [`OutputError::Row`].
+    /// As [`Output::json_row`].
     pub(crate) fn row(
         &mut self,
         name: &str,
-        origin: Origin<'_>,
         fields: &impl Serialize,
-    ) -> Result<(), OutputError> {
-        let line = self.json_row(name, origin, fields)?;
+    ) -> Result<(), Box<dyn Error>> {
+        let line = self.json_row(name, fields)?;
         // Read back in the order of its fields.
         self.rows.push(serde_json::from_str(&line)?);
         Ok(())
@@ -139,29 +109,27 @@ impl<'a, P: Serialize> Output<'a, P> {
     /// Appends a row to the file only, and returns it.
     ///
     /// # Errors
-    /// [`OutputError::Lost`], [`OutputError::Row`].
+    /// A message for a file that cannot be written, or for a row that is not an object with names
+    /// as keys.
     pub(crate) fn json_row(
         &mut self,
         name: &str,
-        origin: Origin<'_>,
         fields: &impl Serialize,
-    ) -> Result<String, OutputError> {
-        let row = Row {
+    ) -> Result<String, Box<dyn Error>> {
+        let line = serde_json::to_string(&Row {
             bench: self.bench,
             name,
-            backend: origin.backend,
-            device: origin.device,
+            backend: self.backend,
+            device: &self.device,
             machine: &self.machine,
-            commit: machine::COMMIT,
+            commit: env!("INCISE_COMMIT"),
             version: env!("CARGO_PKG_VERSION"),
             parameters: &self.parameters,
             fields,
-        };
-        let line = serde_json::to_string(&row)?;
+        })?;
         if let Some((path, file)) = &mut self.json {
-            writeln!(file, "{line}").map_err(|source| OutputError::Lost {
-                path: path.clone(),
-                source,
+            writeln!(file, "{line}").map_err(|error| {
+                format!("{}: not written: {error}; the run ends", path.display())
             })?;
         }
         Ok(line)
@@ -197,7 +165,9 @@ impl<'a, P: Serialize> Output<'a, P> {
         if self.is_quiet {
             return Ok(());
         }
-        match writeln!(self.out, "{line}").and_then(|()| self.out.flush()) {
+        let out = &mut self.out;
+        let print = || writeln!(out, "{line}").and_then(|()| out.flush());
+        match self.progress.suspend(print) {
             Err(error) if error.kind() == ErrorKind::BrokenPipe && self.json.is_some() => Ok(()),
             done => done,
         }
@@ -205,16 +175,25 @@ impl<'a, P: Serialize> Output<'a, P> {
 }
 
 /// Opens a file for appending; creates it and its folder if they are absent.
-fn open_file(path: &Path) -> Result<(PathBuf, File), OutputError> {
+fn open_file(path: &Path) -> Result<(PathBuf, File), String> {
     let folder = path.parent().map_or(Ok(()), fs::create_dir_all);
     let opened = folder.and_then(|()| OpenOptions::new().append(true).create(true).open(path));
-    match opened {
-        Ok(file) => Ok((path.to_owned(), file)),
-        Err(source) => Err(OutputError::File {
-            path: path.to_owned(),
-            source,
-        }),
-    }
+    let named = opened.map(|file| (path.to_owned(), file));
+    named.map_err(|error| {
+        let path = path.display();
+        format!("{path}: cannot be written: {error}; nothing was measured")
+    })
+}
+
+/// Returns the CPU's name and its number of threads.
+fn machine() -> String {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = info
+        .lines()
+        .find_map(|line| line.strip_prefix("model name")?.split_once(':'))
+        .map_or(std::env::consts::ARCH, |(_, name)| name.trim());
+    format!("{name}, {threads} threads")
 }
 
 /// Returns whether an error is that of a closed pipe, as of `| head`.

@@ -7,10 +7,10 @@ mod claims;
 
 use crate::measure::measure_pairs;
 use crate::options::{BackendArguments, OutputArguments};
-use crate::output::{Origin, Output};
+use crate::output::Output;
 use clap::Args;
 use incise_models::Model;
-use incise_scene::{BackendRequest, Scene, SceneParams};
+use incise_scene::{Scene, SceneParams};
 use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
@@ -68,9 +68,6 @@ const QUICK: Effort = Effort {
     models: &[Model::Bunny],
 };
 
-/// Length of a frame \[s\].
-const DT: f32 = 1.0 / 60.0;
-
 /// A frame that can be repeated.
 type Frame = Box<dyn FnMut() -> Result<(), Box<dyn Error>>>;
 /// Sets up the two frames that a claim compares.
@@ -82,7 +79,7 @@ struct Claim {
     feature: &'static str,
     text: &'static str,
     /// The measured body.
-    on: String,
+    on: &'static str,
     bound: f64,
     /// Whether the bound is the time of the first frame itself \[us\].
     is_time: bool,
@@ -101,7 +98,7 @@ impl Claim {
         Self {
             feature,
             text,
-            on: model.name().to_owned(),
+            on: model.name(),
             bound,
             is_time: false,
             frames: Box::new(frames),
@@ -113,8 +110,7 @@ impl Claim {
     /// # Errors
     /// The error of a frame.
     fn measure(self, pairs: u32) -> Result<Row, Box<dyn Error>> {
-        let [mut first, mut second] = (self.frames)()?;
-        let found = measure_pairs(pairs, &mut first, &mut second)?;
+        let found = measure_pairs(pairs, &mut (self.frames)()?)?;
         let measured = match self.is_time {
             true => found.seconds[0] * 1e6,
             false => found.ratio,
@@ -135,7 +131,7 @@ impl Claim {
 #[derive(Debug, Serialize)]
 struct Row {
     /// The measured body.
-    on: String,
+    on: &'static str,
     claim: &'static str,
     /// Largest value that passes.
     bound: f64,
@@ -152,50 +148,26 @@ pub(crate) fn run(arguments: &SkipArguments, out: &mut dyn Write) -> Result<(), 
     let mut output = Output::open("skip", &arguments.output, (), out)?;
     let (mut count, mut failed) = (0, 0);
     for backend in arguments.backends.devices()? {
-        let request = BackendRequest {
-            choice: backend,
-            adapter: arguments.backends.adapter.clone(),
-            allow_software: true,
-            ..BackendRequest::default()
-        };
+        let request = arguments.backends.request(backend);
         let scene = Scene::with_backend(SceneParams::default(), &request)?;
-        let adapter = scene.backend_report().adapter;
-        let device = adapter.unwrap_or_else(|| output.machine.clone());
+        output.set_backend(backend.name(), scene.backend_report().adapter);
         let mut claims = claims::claims(effort, &request);
         let is_named = |claim: &Claim| arguments.only.iter().any(|name| name == claim.feature);
         claims.retain(|claim| arguments.only.is_empty() || is_named(claim));
-        let progress = output.progress(claims.len(), 1);
+        output.start(claims.len(), 1);
         for claim in claims {
             let feature = claim.feature;
-            progress.begin(&format!("{feature}, {}", claim.on));
+            output.progress.begin(&format!("{feature}, {}", claim.on));
             let row = claim.measure(effort.pairs)?;
             (count, failed) = (count + 1, failed + u32::from(!row.passed));
-            let (backend, device) = (backend.name(), device.as_str());
-            output.row(feature, Origin { backend, device }, &row)?;
-            progress.step();
+            output.row(feature, &row)?;
+            output.progress.step();
         }
-        progress.end();
     }
     output.table()?;
     match (count, failed) {
         (0, _) => Err("--only names no feature of these backends".into()),
         (_, 0) => Ok(()),
         _ => Err(format!("{failed} of {count} claims do not hold").into()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_feature_has_a_claim() {
-        for effort in [FULL, QUICK] {
-            let claims = claims::claims(effort, &BackendRequest::default());
-            assert!(claims.iter().all(|claim| NAMES.contains(&claim.feature)));
-            for name in NAMES {
-                assert!(claims.iter().any(|claim| claim.feature == name), "{name}");
-            }
-        }
     }
 }

@@ -32,7 +32,7 @@ pub(crate) struct SolverArguments {
 }
 
 /// The parameters of all rows.
-#[derive(Args, Clone, Debug, Serialize)]
+#[derive(Args, Clone, Copy, Debug, Serialize)]
 struct Parameters {
     /// Copies of the model in the scene.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
@@ -77,59 +77,28 @@ pub(crate) fn run(arguments: &SolverArguments, out: &mut dyn Write) -> Result<()
     }
     let workloads = workloads(&models, MAX_TRIANGLES)?;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let mut output = Output::open(
-        "solver",
-        &arguments.output,
-        arguments.parameters.clone(),
-        out,
-    )?;
-    let progress = output.progress(workloads.len(), cores as u64);
+    let mut output = Output::open("solver", &arguments.output, arguments.parameters, out)?;
+    output.start(workloads.len(), cores as u64);
     for workload in &workloads {
-        progress.begin(&workload.name);
+        output.progress.begin(&workload.name);
         let surface = workload.surface()?;
         let mut one_thread = None;
         for threads in 1..=cores {
             let pool = rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
                 .build()?;
-            let times = pool.install(|| Times::measure(&surface, arguments))?;
-            let topology = surface.topology();
-            // Every edge of a closed surface has a stretch and a bending constraint.
-            let edges = topology.edges().count();
-            let all = edges as f64 * f64::from(arguments.parameters.bodies);
-            let projection = f64::from(ITERATIONS) * times.iteration;
-            let row = Row {
-                source: workload.source.clone(),
-                triangles: topology.triangle_count(),
-                edges,
-                hinges: edges,
-                threads,
-                ms_per_frame: times.frame * 1e3,
-                speed_up: *one_thread.get_or_insert(times.frame) / times.frame,
-                stretch_projections_per_second: all / times.stretch,
-                bending_projections_per_second: all / (times.iteration - times.stretch),
-                other: (1.0 - projection / times.frame).max(0.0),
-            };
-            output.cpu_row(&workload.name, &row)?;
-            progress.step();
+            let mut row = pool.install(|| Row::measure(&surface, arguments))?;
+            row.source.clone_from(&workload.source);
+            row.speed_up = *one_thread.get_or_insert(row.ms_per_frame) / row.ms_per_frame;
+            output.row(&workload.name, &row)?;
+            output.progress.step();
         }
     }
-    progress.end();
     Ok(output.table()?)
 }
 
-/// Times of a number of threads \[s\].
-#[derive(Debug, Clone, Copy)]
-struct Times {
-    /// A frame.
-    frame: f64,
-    /// An iteration of stretch and bending.
-    iteration: f64,
-    /// An iteration of stretch alone.
-    stretch: f64,
-}
-
-impl Times {
+impl Row {
+    /// Measures the current number of threads; without the source and the speed-up.
     fn measure(surface: &Surface, arguments: &SolverArguments) -> Result<Self, SceneError> {
         let material = motion::material();
         let stretch = Material {
@@ -140,14 +109,27 @@ impl Times {
             fastest_frame(surface, material, iterations, arguments)
         };
         let per_iteration = |few: f64, many: f64| (many - few) / f64::from(ITERATIONS);
-        let few = frame(&material, ITERATIONS)?;
+        let seconds = frame(&material, ITERATIONS)?;
+        let iteration = per_iteration(seconds, frame(&material, 2 * ITERATIONS)?);
+        let stretch = per_iteration(
+            frame(&stretch, ITERATIONS)?,
+            frame(&stretch, 2 * ITERATIONS)?,
+        );
+        let topology = surface.topology();
+        // Every edge of a closed surface has a stretch and a bending constraint.
+        let edges = topology.edges().count();
+        let all = edges as f64 * f64::from(arguments.parameters.bodies);
         Ok(Self {
-            frame: few,
-            iteration: per_iteration(few, frame(&material, 2 * ITERATIONS)?),
-            stretch: per_iteration(
-                frame(&stretch, ITERATIONS)?,
-                frame(&stretch, 2 * ITERATIONS)?,
-            ),
+            source: String::new(),
+            triangles: topology.triangle_count(),
+            edges,
+            hinges: edges,
+            threads: rayon::current_num_threads(),
+            ms_per_frame: seconds * 1e3,
+            speed_up: 1.0,
+            stretch_projections_per_second: all / stretch,
+            bending_projections_per_second: all / (iteration - stretch),
+            other: (1.0 - f64::from(ITERATIONS) * iteration / seconds).max(0.0),
         })
     }
 }

@@ -1,8 +1,8 @@
 //! `incise-bench stability`: stress cases, with a verdict on each of their invariants.
 
-use crate::models::files;
+use crate::models::{files, named};
 use crate::options::{BackendArguments, OutputArguments};
-use crate::output::{Origin, Output};
+use crate::output::Output;
 use crate::text_table::number;
 use clap::Args;
 use incise_mesh::{RepairParams, read_mesh};
@@ -11,7 +11,7 @@ use incise_tests::stability::{Case, Runner, Subject, Verdict, cases};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::error::Error;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 use std::thread;
@@ -29,7 +29,7 @@ pub(crate) struct StabilityArguments {
     #[command(flatten)]
     backends: BackendArguments,
     /// Cases to run, separated by commas, for example T1,T3,volume.
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = id)]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     only: Vec<String>,
     /// Folder of meshes for the cases over models, instead of the built-in models.
     #[arg(long, value_name = "DIR")]
@@ -49,17 +49,6 @@ pub(crate) struct StabilityArguments {
 
 /// The case whose runs `report.py` draws.
 const MAP: &str = "map";
-
-/// Parses the name of a case, in any case.
-fn id(text: &str) -> Result<String, String> {
-    let mut ids: Vec<&str> = cases().map(|case| case.id).collect();
-    let is_meant = |id: &&&str| id.eq_ignore_ascii_case(text.trim());
-    if let Some(id) = ids.iter().find(is_meant) {
-        return Ok((*id).to_owned());
-    }
-    ids.dedup();
-    Err(format!("it is none of {}", ids.join(", ")))
-}
 
 /// The verdict on one invariant of a case.
 #[derive(Debug, Serialize)]
@@ -100,18 +89,20 @@ fn subjects(folder: &Path) -> Result<Vec<Subject>, Box<dyn Error>> {
     Ok(files(folder)?.iter().filter_map(subject).collect())
 }
 
-/// Opens a backend; also returns its description.
+/// Opens a backend; also returns the description of a GPU.
 fn open(
     arguments: &StabilityArguments,
     backend: BackendChoice,
-    machine: &str,
-) -> Result<(Runner, String), Box<dyn Error>> {
+) -> Result<(Runner, Option<String>), Box<dyn Error>> {
     let (mut runner, device) = match backend {
         #[cfg(feature = "gpu")]
-        BackendChoice::Gpu => Runner::gpu(arguments.backends.adapter.as_deref())?,
+        BackendChoice::Gpu => {
+            let (runner, device) = Runner::gpu(arguments.backends.adapter.as_deref())?;
+            (runner, Some(device))
+        }
         #[cfg(not(feature = "gpu"))]
-        BackendChoice::Gpu => return Err(crate::no_gpu::NoGpu.into()),
-        _ => (Runner::cpu(), machine.to_owned()),
+        BackendChoice::Gpu => return Err(crate::gpu::NoGpu.into()),
+        _ => (Runner::cpu(), None),
     };
     if let Some(folder) = &arguments.models {
         runner = runner.with_subjects(subjects(folder)?);
@@ -127,17 +118,15 @@ pub(crate) fn run(
     out: &mut dyn Write,
 ) -> Result<(), Box<dyn Error>> {
     let begin = Instant::now();
-    let only = &arguments.only;
-    let is_meant = |case: &&Case| only.is_empty() || only.iter().any(|id| id == case.id);
-    let named: Vec<&Case> = cases().filter(is_meant).collect();
+    let named = named(cases().collect(), |case| case.id, &arguments.only)?;
     let mut output = Output::open("stability", &arguments.output, (), out)?;
     // The verdicts of the first backend.
     let mut judged = BTreeMap::new();
     let (mut differing, mut failed, mut count) = (Vec::new(), 0, 0);
     for backend in arguments.backends.devices()? {
-        let (runner, device) = open(arguments, backend, &output.machine)?;
-        let (backend, device) = (backend.name(), device.as_str());
-        let progress = output.progress(named.len(), 1);
+        let (runner, device) = open(arguments, backend)?;
+        output.set_backend(backend.name(), device);
+        output.start(named.len(), 1);
         thread::scope(|scope| -> Result<(), Box<dyn Error>> {
             let (send, receive) = mpsc::channel();
             let (named, runner) = (&named, &runner);
@@ -150,44 +139,25 @@ pub(crate) fn run(
                 })
             });
             for (verdicts, seconds) in receive {
-                progress.begin(verdicts[0].case.id);
-                progress.suspend(|| print(&verdicts, seconds, arguments.list, &mut output))?;
-                progress.step();
+                output.progress.begin(verdicts[0].case.id);
                 let times = std::iter::once(seconds).chain(std::iter::repeat(0.0));
-                for (verdict, seconds) in verdicts.iter().zip(times) {
-                    let Case { id, stress, .. } = verdict.case;
-                    let (passed, invariant) = (verdict.passed(), verdict.invariant);
-                    let row = Row {
-                        passed,
-                        bound: verdict.bound,
-                        worst: verdict.worst.is_finite().then_some(verdict.worst),
-                        runs: verdict.runs,
-                        seconds,
-                        stress,
-                        invariant,
-                        at: &verdict.at,
-                    };
-                    output.row(id, Origin { backend, device }, &row)?;
-                    for (energy, at) in verdict.all.iter().filter(|_| id == MAP) {
-                        let (energy, bound) = (*energy, verdict.bound);
-                        let kind = "cell";
-                        let cell = Cell {
-                            kind,
-                            at,
-                            energy,
-                            bound,
-                        };
-                        output.json_row(id, Origin { backend, device }, &cell)?;
-                    }
+                for (found, own_seconds) in verdicts.iter().zip(times) {
+                    let Case { id, stress, .. } = found.case;
+                    let (passed, invariant) = (found.passed(), found.invariant);
+                    let verdict = if passed { "pass" } else { "FAIL" };
+                    output.print(format_args!(
+                        "{verdict}  {id} ({seconds:.1} s): {stress}; {invariant}"
+                    ))?;
+                    write(found, own_seconds, arguments.list, &mut output)?;
                     (count, failed) = (count + 1, failed + u32::from(!passed));
                     if *judged.entry((id, stress, invariant)).or_insert(passed) != passed {
                         differing.push(id);
                     }
                 }
+                output.progress.step();
             }
             Ok(())
         })?;
-        progress.end();
     }
     output.table()?;
     // Cases run side by side, so that their times add up to more.
@@ -204,23 +174,40 @@ pub(crate) fn run(
     }
 }
 
-/// Prints a line for each verdict of a case, and for each run beyond its bound if asked to.
-fn print(
-    verdicts: &[Verdict],
+/// Writes the row of a verdict, and the runs of the case that `report.py` draws. Prints each run
+/// beyond its bound if asked to.
+fn write(
+    verdict: &Verdict,
     seconds: f64,
     list: bool,
     output: &mut Output<'_, ()>,
-) -> io::Result<()> {
-    for found in verdicts {
-        let Case { id, stress, .. } = found.case;
-        let verdict = if found.passed() { "pass" } else { "FAIL" };
-        let invariant = found.invariant;
-        output.print(format_args!(
-            "{verdict}  {id} ({seconds:.1} s): {stress}; {invariant}"
-        ))?;
-        let beyond = found.all.iter().filter(|run| list && run.0 > found.bound);
-        for (value, at) in beyond {
-            output.print(format_args!("      {}  {at}", number(*value)))?;
+) -> Result<(), Box<dyn Error>> {
+    let bound = verdict.bound;
+    let Case { id, stress, .. } = verdict.case;
+    let row = Row {
+        passed: verdict.passed(),
+        bound,
+        worst: verdict.worst.is_finite().then_some(verdict.worst),
+        runs: verdict.runs,
+        seconds,
+        stress,
+        invariant: verdict.invariant,
+        at: &verdict.at,
+    };
+    output.row(id, &row)?;
+    for (value, at) in &verdict.all {
+        let (kind, energy) = ("cell", *value);
+        if list && energy > bound {
+            output.print(format_args!("      {}  {at}", number(energy)))?;
+        }
+        if id == MAP {
+            let cell = Cell {
+                kind,
+                at,
+                energy,
+                bound,
+            };
+            output.json_row(id, &cell)?;
         }
     }
     Ok(())

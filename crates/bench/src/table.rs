@@ -1,16 +1,16 @@
 //! `incise-bench table`: the paper's Table 1 and Figure 11 on seven models.
 
-mod paper;
 mod protocol;
 
-use crate::method::MethodArguments;
 use crate::models;
 use crate::options::{
-    BackendArguments, LengthArguments, ModelArguments, OutputArguments, positive,
+    BackendArguments, LengthArguments, MethodArguments, ModelArguments, OutputArguments, positive,
 };
-use crate::output::{Origin, Output};
+use crate::output::Output;
 use clap::Args;
 use incise_mesh::geometry::round_to_f32;
+use incise_models::Model;
+use incise_paper::TABLE_1;
 use incise_pbd_gpu::SolverParams;
 use incise_scene::{BackendChoice, BackendRequest, ContactParams, Scene, SceneError, SceneParams};
 use serde::Serialize;
@@ -43,7 +43,7 @@ pub(crate) struct TableArguments {
 }
 
 /// The parameters of all rows.
-#[derive(Args, Clone, Debug, Serialize)]
+#[derive(Args, Clone, Copy, Debug, Serialize)]
 struct Parameters {
     /// Simulated time of a run \[s\].
     #[arg(skip = 15.0)]
@@ -74,7 +74,12 @@ struct Parameters {
 impl Parameters {
     /// Returns the number of frames of a run.
     fn frames(&self) -> u32 {
-        protocol::nearest(self.seconds / self.dt)
+        nearest(self.seconds / self.dt)
+    }
+
+    /// Returns the number of frames of a simulated second.
+    fn frames_a_second(&self) -> u32 {
+        nearest(1.0 / self.dt).max(1)
     }
 
     /// Returns the parameters of the scene.
@@ -98,9 +103,19 @@ impl Parameters {
     }
 }
 
+/// Rounds a positive number.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a saturating cast of a positive number"
+)]
+fn nearest(x: f64) -> u32 {
+    x.round() as u32
+}
+
 /// Runs the protocol on all models, prints and writes the rows.
 pub(crate) fn run(arguments: &TableArguments, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
-    let mut parameters = arguments.parameters.clone();
+    let mut parameters = arguments.parameters;
     parameters.seconds = match arguments.length.frames {
         Some(frames) => f64::from(frames) * parameters.dt,
         None => arguments.length.seconds.unwrap_or(parameters.seconds),
@@ -114,27 +129,22 @@ pub(crate) fn run(arguments: &TableArguments, out: &mut dyn Write) -> Result<(),
     if backends.is_empty() {
         backends.push(BackendChoice::Cpu);
     }
-    let mut output = Output::open("table", &arguments.output, parameters.clone(), out)?;
-    let progress = output.progress(loaded.len() * backends.len(), 2 * u64::from(frames));
+    let mut output = Output::open("table", &arguments.output, parameters, out)?;
+    output.start(loaded.len() * backends.len(), 2 * u64::from(frames));
     for backend in backends {
         let (request, fallback) = request(&parameters, backend, &arguments.backends)?;
         for model in &loaded {
             let name = model.model.name();
-            progress.begin(name);
-            let tick = || progress.step();
-            let (device, row) = protocol::run(model, &parameters, &request, &tick)?;
-            let machine = output.machine.clone();
-            let origin = Origin {
-                backend: backend.name(),
-                device: device.as_deref().unwrap_or(&machine),
-            };
-            output.row(name, origin, &row)?;
+            output.progress.begin(name);
+            let tick = || output.progress.step();
+            let (gpu, row) = protocol::run(model, &parameters, &request, &tick)?;
+            output.set_backend(backend.name(), gpu);
+            output.row(name, &row)?;
         }
         if let Some(why) = fallback {
             output.print(format_args!("All on the CPU: {why}."))?;
         }
     }
-    progress.end();
     Ok(output.table()?)
 }
 
@@ -145,12 +155,7 @@ fn request(
     backend: BackendChoice,
     arguments: &BackendArguments,
 ) -> Result<(BackendRequest, Option<String>), SceneError> {
-    let mut request = BackendRequest {
-        choice: backend,
-        adapter: arguments.adapter.clone(),
-        allow_software: true,
-        min_gpu_constraints: None,
-    };
+    let mut request = arguments.request(backend);
     let report = Scene::with_backend(parameters.scene(), &request)?.backend_report();
     request.min_gpu_constraints = report.min_gpu_constraints;
     if report.adapter.is_none() {
@@ -158,4 +163,37 @@ fn request(
     }
     let why = report.fallback_reason.map(|reason| reason.to_string());
     Ok((request, why))
+}
+
+/// One row of the paper's table, or the ratios of another to it.
+#[derive(Debug, Serialize)]
+struct PaperRow {
+    pbd_fps: f64,
+    pbd_cs_fps: f64,
+    fps_difference_percent: f64,
+    cut_ms: f64,
+}
+
+impl PaperRow {
+    /// Returns the paper's numbers for a model.
+    fn of(model: Model) -> Self {
+        let row = TABLE_1.iter().find(|row| row.model == model.name());
+        let row = row.expect("the table has every model");
+        Self {
+            pbd_fps: row.pbd_fps,
+            pbd_cs_fps: row.pbd_cs_fps,
+            fps_difference_percent: row.fps_difference_percent,
+            cut_ms: row.cut_ms,
+        }
+    }
+
+    /// Returns how many times better other numbers are.
+    fn gain(&self, other: &Self) -> Self {
+        Self {
+            pbd_fps: other.pbd_fps / self.pbd_fps,
+            pbd_cs_fps: other.pbd_cs_fps / self.pbd_cs_fps,
+            fps_difference_percent: self.fps_difference_percent / other.fps_difference_percent,
+            cut_ms: self.cut_ms / other.cut_ms,
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! Tables of rows for a terminal, made from the fields of the rows.
 
 use comfy_table::presets::NOTHING;
-use comfy_table::{CellAlignment, Table};
+use comfy_table::{CellAlignment, ColumnConstraint, Table};
 use incise_params::Value;
 
 /// Largest width of a table \[characters\].
@@ -75,34 +75,12 @@ pub(crate) fn number(x: f64) -> String {
     }
 }
 
-/// A column of a table.
-struct Column {
-    /// Broken at underscores.
-    heading: String,
-    cells: Vec<String>,
-    width: usize,
-}
-
-impl Column {
-    fn new(heading: &str, rows: &[TextRow]) -> Self {
-        let cells = rows.iter().map(|row| row.cell(heading).to_owned());
-        let cells: Vec<String> = cells.collect();
-        let heading = heading.replace('_', "_\n");
-        let texts = cells.iter().map(String::as_str).chain(heading.lines());
-        Self {
-            width: texts.map(|text| text.chars().count()).max().unwrap_or(0),
-            heading,
-            cells,
-        }
-    }
-
-    /// Returns the side of its cells: words on the left, numbers on the right.
-    fn alignment(&self) -> CellAlignment {
-        let has_word = |text: &String| text.chars().filter(char::is_ascii_alphabetic).count() > 1;
-        match self.cells.iter().any(has_word) {
-            true => CellAlignment::Left,
-            false => CellAlignment::Right,
-        }
+/// Returns the side of cells: words on the left, numbers on the right.
+fn alignment<'a>(mut cells: impl Iterator<Item = &'a str>) -> CellAlignment {
+    let has_word = |text: &str| text.chars().filter(char::is_ascii_alphabetic).count() > 1;
+    match cells.any(has_word) {
+        true => CellAlignment::Left,
+        false => CellAlignment::Right,
     }
 }
 
@@ -122,10 +100,8 @@ pub(crate) fn text_table(rows: &[Value]) -> String {
     let (same, varying): (Vec<&str>, Vec<&str>) = headings.into_iter().partition(is_same);
     let mut text = String::new();
     let mut width = 0;
-    for part in same
-        .iter()
-        .map(|heading| format!("{heading} {}, ", value(heading)))
-    {
+    for heading in same {
+        let part = format!("{heading} {}, ", value(heading));
         width += part.len();
         if width > WIDTH {
             text.push('\n');
@@ -134,39 +110,42 @@ pub(crate) fn text_table(rows: &[Value]) -> String {
         text.push_str(&part);
     }
     let mut text = text.trim_end_matches(", ").to_owned() + "\n";
-    let name = Column::new("name", &rows);
-    let columns = varying.iter().filter(|heading| **heading != "name");
-    let columns: Vec<Column> = columns.map(|heading| Column::new(heading, &rows)).collect();
-    let mut rest = columns.as_slice();
-    while !rest.is_empty() {
-        let mut width = name.width;
-        let fits = rest.iter().take_while(|column| {
-            width += column.width + 2;
+    let others = varying.into_iter().filter(|heading| *heading != "name");
+    let columns: Vec<&str> = ["name"].into_iter().chain(others).collect();
+    let mut table = Table::new();
+    table.load_style(NOTHING);
+    table.set_header(columns.iter().map(|heading| heading.replace('_', "_\n")));
+    for row in &rows {
+        table.add_row(columns.iter().map(|heading| row.cell(heading)));
+    }
+    for (column, heading) in table.column_iter_mut().zip(&columns) {
+        column.set_padding((0, 2));
+        column.set_cell_alignment(alignment(rows.iter().map(|row| row.cell(heading))));
+    }
+    let widths = table.column_max_content_widths().into_iter();
+    let widths: Vec<usize> = widths.map(|width| usize::from(width) + 2).collect();
+    let mut first = 1;
+    while first < columns.len() {
+        let mut width = widths[0] - 2;
+        let fits = widths[first..].iter().take_while(|own| {
+            width += **own;
             width <= WIDTH
         });
-        let (now, later) = rest.split_at(fits.count().max(1));
-        rest = later;
-        let all: Vec<&Column> = [&name].into_iter().chain(now).collect();
-        let mut table = Table::new();
-        table.load_style(NOTHING);
-        table.set_header(all.iter().map(|column| &column.heading));
-        for row in 0..rows.len() {
-            table.add_row(all.iter().map(|column| &column.cells[row]));
-        }
-        for (own, column) in table.column_iter_mut().zip(&all) {
-            own.set_padding((0, 2));
-            own.set_cell_alignment(column.alignment());
+        let shown = first..first + fits.count().max(1);
+        first = shown.end;
+        for (index, column) in table.column_iter_mut().enumerate() {
+            column.remove_constraint();
+            if index > 0 && !shown.contains(&index) {
+                column.set_constraint(ColumnConstraint::Hidden);
+            }
         }
         text.push('\n');
         text.push_str(&table.trim_fmt());
         text.push('\n');
     }
     for row in &rows {
-        let notes = row
-            .notes
-            .iter()
-            .map(|note| format!("{}: {note}\n", row.cell("name")));
-        text.extend(notes);
+        let name = row.cell("name");
+        text.extend(row.notes.iter().map(|note| format!("{name}: {note}\n")));
     }
     text
 }

@@ -1,13 +1,12 @@
 //! Workloads of the benches `cut`, `refine`, `solver` and `step`: models, finer armadillos and
 //! shapes by formula.
 
-use crate::models::{self, Loaded};
-use crate::motion;
+use crate::models::{self, load_model, named};
 use crate::options::ModelArguments;
 use incise_mesh::{HalfEdge, Surface, TopologyError, cube_sphere, icosphere, torus};
 use incise_models::Model;
-use incise_pbd_gpu::{ConstraintError, Material, Solver};
 use std::error::Error;
+use std::path::Path;
 use std::rc::Rc;
 
 /// Squares along an edge of the cubes that spheres are projected from: subdivisions of Sphere768
@@ -25,16 +24,7 @@ pub(crate) struct Workload {
     pub(crate) family: Option<&'static str>,
     pub(crate) source: String,
     triangles: usize,
-    kind: Kind,
-}
-
-enum Kind {
-    /// A model and its number of subdivisions.
-    Model(Rc<Loaded>, u32),
-    /// A sphere and its squares along an edge.
-    Sphere(u32),
-    /// A shape in the order of its formula.
-    Shape(fn() -> Surface),
+    build: Box<dyn Fn() -> Result<Surface, TopologyError>>,
 }
 
 impl Workload {
@@ -43,71 +33,73 @@ impl Workload {
     /// # Errors
     /// None: every workload is a surface.
     pub(crate) fn surface(&self) -> Result<Surface, TopologyError> {
-        let mut surface = match &self.kind {
-            Kind::Shape(build) => return Ok(build()),
-            Kind::Sphere(quads) => cube_sphere(*quads, RADIUS),
-            Kind::Model(loaded, times) => {
-                let mut surface = loaded.surface.clone();
-                for _ in 0..*times {
-                    surface = subdivide(&surface)?;
-                }
-                surface
-            }
-        };
-        surface.sort_by_position();
-        Ok(surface)
+        (self.build)()
     }
 
-    /// Builds a body of the table's material that spins and is squeezed.
-    ///
-    /// # Errors
-    /// The error of `new_solver`.
-    pub(crate) fn body(
-        &self,
-        new_solver: impl FnOnce(&mut Surface, &Material) -> Result<Solver, ConstraintError>,
-    ) -> Result<(Surface, Solver), Box<dyn Error>> {
-        let mut surface = self.surface()?;
-        let mut solver = new_solver(&mut surface, &motion::material())?;
-        motion::start(&mut solver, &surface)?;
-        Ok((surface, solver))
-    }
-
-    /// Returns the subdivisions of a model up to a number of triangles; without `is_refined` the
-    /// model alone.
-    fn of_model(loaded: Loaded, is_refined: bool, max_triangles: usize) -> Vec<Self> {
-        let name = loaded.model.name();
-        let count = loaded.surface.topology().triangle_count();
-        let loaded = Rc::new(loaded);
-        let sizes = (0..).map(|times| (times, count.saturating_mul(4_usize.saturating_pow(times))));
-        let sizes = sizes.take_while(|&(times, triangles)| {
-            triangles <= max_triangles && (times == 0 || is_refined)
-        });
-        let workload = |(times, triangles)| Self {
-            name: match times {
-                0 => name.to_owned(),
-                _ => format!("{name}{triangles}"),
-            },
-            family: is_refined.then_some(name),
-            source: loaded.source.clone(),
-            triangles,
-            kind: Kind::Model(Rc::clone(&loaded), times),
-        };
-        sizes.map(workload).collect()
-    }
-
-    fn by_formula(
-        name: String,
-        family: Option<&'static str>,
-        triangles: usize,
-        kind: Kind,
-    ) -> Self {
+    /// Returns a shape by formula.
+    fn shape(name: &str, triangles: usize, build: impl Fn() -> Surface + 'static) -> Self {
         Self {
-            name,
-            family,
+            name: name.to_owned(),
+            family: None,
             source: models::BUILT_IN.to_owned(),
             triangles,
-            kind,
+            build: Box::new(move || Ok(build())),
         }
+    }
+
+    /// Returns a sphere with a number of squares along an edge of its cube.
+    fn sphere(quads: u32) -> Self {
+        let triangles = 12 * quads as usize * quads as usize;
+        let build = move || {
+            let mut surface = cube_sphere(quads, RADIUS);
+            surface.sort_by_position();
+            surface
+        };
+        Self {
+            family: Some("Sphere"),
+            ..Self::shape(&format!("Sphere{triangles}"), triangles, build)
+        }
+    }
+
+    /// Returns all models, and the subdivisions of `refined`, of at most `max_triangles`.
+    fn models(
+        folder: Option<&Path>,
+        refined: Option<Model>,
+        max_triangles: usize,
+    ) -> Result<Vec<Self>, Box<dyn Error>> {
+        let mut all = Vec::new();
+        for model in Model::ALL {
+            let loaded = Rc::new(load_model(folder, model)?);
+            let is_refined = refined == Some(model);
+            let name = model.name();
+            let mut triangles = loaded.surface.topology().triangle_count();
+            for times in 0.. {
+                if triangles > max_triangles || times > 0 && !is_refined {
+                    break;
+                }
+                let source = Rc::clone(&loaded);
+                let build = move || {
+                    let mut surface = source.surface.clone();
+                    for _ in 0..times {
+                        surface = subdivide(&surface)?;
+                    }
+                    surface.sort_by_position();
+                    Ok(surface)
+                };
+                all.push(Self {
+                    name: match times {
+                        0 => name.to_owned(),
+                        _ => format!("{name}{triangles}"),
+                    },
+                    family: is_refined.then_some(name),
+                    source: loaded.source.clone(),
+                    triangles,
+                    build: Box::new(build),
+                });
+                triangles = triangles.saturating_mul(4);
+            }
+        }
+        Ok(all)
     }
 }
 
@@ -119,20 +111,12 @@ pub(crate) fn workloads(
     arguments: &ModelArguments,
     max_triangles: usize,
 ) -> Result<Vec<Workload>, Box<dyn Error>> {
-    let mut all = Vec::new();
-    for model in Model::ALL {
-        let loaded = models::load_model(arguments.models.as_deref(), model)?;
-        let is_refined = model == Model::Armadillo;
-        all.extend(Workload::of_model(loaded, is_refined, max_triangles));
-    }
-    all.extend(SPHERES.into_iter().map(|quads| {
-        let triangles = 12 * quads as usize * quads as usize;
-        let name = format!("Sphere{triangles}");
-        Workload::by_formula(name, Some("Sphere"), triangles, Kind::Sphere(quads))
-    }));
+    let folder = arguments.models.as_deref();
+    let mut all = Workload::models(folder, Some(Model::Armadillo), max_triangles)?;
+    all.extend(SPHERES.map(Workload::sphere));
     all.retain(|workload| workload.triangles <= max_triangles);
-    let named = models::named(all, |workload| workload.name.clone(), &arguments.only);
-    let all = named.map_err(|error| format!("{error}, or above --max-triangles"))?;
+    let all = named(all, |workload| &workload.name, &arguments.only)
+        .map_err(|error| format!("{error}, or above --max-triangles"))?;
     match all.is_empty() {
         true => Err("no model is that small: raise --max-triangles".into()),
         false => Ok(all),
@@ -148,25 +132,17 @@ pub(crate) fn progressive_workloads(
     arguments: &ModelArguments,
     is_long: bool,
 ) -> Result<Vec<Workload>, Box<dyn Error>> {
-    let mut all = Vec::new();
-    for model in Model::ALL {
-        let loaded = models::load_model(arguments.models.as_deref(), model)?;
-        all.extend(Workload::of_model(loaded, false, usize::MAX));
-    }
-    type Shape = (&'static str, usize, fn() -> Surface);
-    let shapes: [Shape; 3] = [
-        ("Sphere30000", 30_000, || cube_sphere(50, RADIUS)),
-        ("Torus30000", 30_000, || torus(0.35, 0.15, 150, 100)),
-        ("Icosphere1280", 1280, || icosphere(3, RADIUS)),
-    ];
-    all.extend(shapes.map(|(name, triangles, build)| {
-        Workload::by_formula(name.to_owned(), None, triangles, Kind::Shape(build))
-    }));
+    let mut all = Workload::models(arguments.models.as_deref(), None, usize::MAX)?;
+    all.extend([
+        Workload::shape("Sphere30000", 30_000, || cube_sphere(50, RADIUS)),
+        Workload::shape("Torus30000", 30_000, || torus(0.35, 0.15, 150, 100)),
+        Workload::shape("Icosphere1280", 1280, || icosphere(3, RADIUS)),
+    ]);
     let mut only = arguments.only.clone();
     if only.is_empty() && !is_long {
         only = PROGRESSIVE.map(str::to_owned).to_vec();
     }
-    Ok(models::named(all, |workload| workload.name.clone(), &only)?)
+    Ok(named(all, |workload| &workload.name, &only)?)
 }
 
 /// Splits every triangle into four at the midpoints of its edges.
@@ -194,20 +170,4 @@ fn subdivide(surface: &Surface) -> Result<Surface, TopologyError> {
         triangles.push(middle);
     }
     Surface::from_triangles(&positions, &triangles)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use incise_models::build_model;
-
-    #[test]
-    fn subdivision_keeps_the_volume() {
-        let coarse = build_model(Model::Sphere80);
-        let fine = subdivide(&coarse).unwrap();
-        assert_eq!(fine.topology().triangle_count(), 320);
-        assert!(fine.topology().is_closed(), "halves of edges meet");
-        let volume = |s: &Surface| s.piece_volumes()[0];
-        assert!((volume(&fine) / volume(&coarse) - 1.0).abs() < 1e-6);
-    }
 }

@@ -6,11 +6,12 @@
 use super::AccuracyOutput;
 use super::convergence::Trajectory;
 use super::error::distance;
-use super::scene::{Body, DT, Scene};
+use super::scene::Scene;
 use super::scenes;
+use crate::motion::{Body, DT};
 use incise_cut::{CutParams, Cutter, Sweep};
 use incise_pbd_gpu::{Scheme, SolverParams, StepError};
-use incise_reference::{Model, ReferenceError, State, Stepper};
+use incise_reference::{Model, State, Stepper};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::error::Error;
@@ -23,13 +24,40 @@ const FRAMES_BEFORE: u32 = 10;
 const FRAMES: usize = 20;
 /// Runs whose times are taken.
 const REPEATS: usize = 7;
-/// A way to step the body after the cut; an iteration of the global step takes about as long as
+
+/// A scheme with its number of iterations.
+struct Way {
+    name: &'static str,
+    scheme: Scheme,
+    iterations: u32,
+}
+
+/// The way to step the body before the cut.
+const BEFORE: Way = way("before", Scheme::Global, 16);
+/// The ways to step the body after the cut; an iteration of the global step takes about as long as
 /// ten of sweeps.
-const SCHEMES: [(&str, Scheme, u32); 3] = [
-    ("sweeps", Scheme::Sweeps, 80),
-    ("global", Scheme::Global, 8),
-    ("auto", Scheme::Auto, 8),
+const AFTER: [Way; 3] = [
+    way("sweeps", Scheme::Sweeps, 80),
+    way("global", Scheme::Global, 8),
+    way("auto", Scheme::Auto, 8),
 ];
+
+const fn way(name: &'static str, scheme: Scheme, iterations: u32) -> Way {
+    Way {
+        name,
+        scheme,
+        iterations,
+    }
+}
+
+impl Way {
+    fn params(&self, scene: &Scene) -> SolverParams {
+        SolverParams {
+            scheme: self.scheme,
+            ..scene.params(1, self.iterations)
+        }
+    }
+}
 
 /// A frame after the cut by one scheme. Errors are of positions: root mean squares over vertices,
 /// weighted by mass, over the mean rest length.
@@ -67,61 +95,48 @@ struct Run {
 /// Measures the bodies, prints and writes the rows.
 pub(super) fn run(output: &mut AccuracyOutput<'_>) -> Result<(), Box<dyn Error>> {
     for scene in scenes::hung_models() {
-        for row in measure(&scene, FRAMES, REPEATS)? {
-            output.cpu_row(scene.name, &row)?;
+        for row in measure(&scene)? {
+            output.row(scene.name, &row)?;
         }
         output.table()?;
     }
     Ok(())
 }
 
-fn params(scene: &Scene, (scheme, iterations): (Scheme, u32)) -> SolverParams {
-    SolverParams {
-        scheme,
-        ..scene.params(1, iterations)
-    }
-}
-
 /// Steps a scene's body before the cut.
-fn before_cut(
-    scene: &Scene,
-    frames: u32,
-    by: (Scheme, u32),
-) -> Result<(Body, Sweep), Box<dyn Error>> {
+fn before_cut(scene: &Scene, frames: u32, way: &Way) -> Result<(Body, Sweep), Box<dyn Error>> {
     let mut body = scene.body()?;
     for _ in 0..frames {
-        (body.solver).step(&mut body.surface, DT, &params(scene, by))?;
+        (body.solver).step(&mut body.surface, DT, &way.params(scene))?;
     }
     let sweep = Sweep::from_plane([0.2, 1.0, 0.2], 0.0, &body.surface.bounds())?;
     Ok((body, sweep))
 }
 
 /// Measures all schemes on the body of a scene.
-fn measure(scene: &Scene, frames: usize, repeats: usize) -> Result<Vec<FrameRow>, Box<dyn Error>> {
-    let (mut body, sweep) = before_cut(scene, FRAMES_BEFORE, (Scheme::Global, 16))?;
+fn measure(scene: &Scene) -> Result<Vec<FrameRow>, Box<dyn Error>> {
+    let (mut body, sweep) = before_cut(scene, FRAMES_BEFORE, &BEFORE)?;
     let triangles = body.surface.topology().triangle_count();
     let cut = Cutter::new(&body.surface).cut(&mut body.surface, &sweep, &CutParams::default())?;
     body.solver.apply_delta(&mut body.surface, &cut.delta)?;
     let model = Model::of(&body.solver, &body.surface, &scene.params(1, 1))?;
-    let runs = SCHEMES
-        .map(|(_, scheme, iterations)| follow(&body, &params(scene, (scheme, iterations)), frames));
-    let [sweeps, global, auto] = runs;
-    let runs = [sweeps?, global?, auto?];
-    let (exact, restarted) = references(&model, &runs, frames);
+    let error =
+        |a: &State, b: &State| distance(&model, std::slice::from_ref(a), std::slice::from_ref(b));
+    let mut runs = Vec::new();
+    for way in &AFTER {
+        runs.push(follow(&body, &way.params(scene))?);
+    }
+    let (exact, restarted) = references(&model, &runs);
     let mut rows = Vec::new();
-    for (((name, scheme, iterations), run), restarted) in SCHEMES.iter().zip(&runs).zip(restarted) {
-        let ms = times(scene, (*scheme, *iterations), (frames, repeats))?;
+    for ((way, run), restarted) in AFTER.iter().zip(&runs).zip(restarted) {
+        let ms = times(scene, way)?;
         for (k, restarted) in restarted.into_iter().enumerate() {
-            let restarted = restarted.ok();
-            let error = |a: &State, b: &State| {
-                distance(&model, std::slice::from_ref(a), std::slice::from_ref(b))
-            };
             let to_restarted = |state: &State| Some(error(state, restarted.as_ref()?));
             rows.push(FrameRow {
                 kind: "after_cut",
                 triangles,
-                solver: name,
-                iterations: *iterations,
+                solver: way.name,
+                iterations: way.iterations,
                 frame: k + 1,
                 ms: ms[k],
                 step_error: to_restarted(&run.states[k + 1]),
@@ -136,14 +151,14 @@ fn measure(scene: &Scene, frames: usize, repeats: usize) -> Result<Vec<FrameRow>
 }
 
 /// Steps a copy of the cut body.
-fn follow(body: &Body, params: &SolverParams, frames: usize) -> Result<Run, StepError> {
+fn follow(body: &Body, params: &SolverParams) -> Result<Run, StepError> {
     let mut body = body.clone();
     let mut run = Run {
         states: vec![State::of(&body.solver, &body.surface)],
         fresh: Vec::new(),
         ages: Vec::new(),
     };
-    for _ in 0..frames {
+    for _ in 0..FRAMES {
         let mut fresh = without_factor(&body)?;
         body.solver.step(&mut body.surface, DT, params)?;
         let is_global = body.solver.stats().global_iterations > 0;
@@ -172,37 +187,32 @@ fn without_factor(body: &Body) -> Result<Body, StepError> {
     Ok(copy)
 }
 
-/// A converged step from the state before a frame.
-type Restarted = Result<State, ReferenceError>;
-
 /// Returns the converged motion from the cut on, as far as it converges, and for each run the
-/// converged step of every frame.
-fn references(model: &Model, runs: &[Run; 3], frames: usize) -> (Trajectory, Vec<Vec<Restarted>>) {
-    let step = |state: &State| -> Restarted {
+/// converged step from the state before every frame, where it converges.
+fn references(model: &Model, runs: &[Run]) -> (Trajectory, Vec<Vec<Option<State>>>) {
+    let step = |state: &State| -> Option<State> {
         let mut state = state.clone();
-        Stepper::new(model)?.step(&mut state, f64::from(DT), &[])?;
-        Ok(state)
+        let mut stepper = Stepper::new(model).ok()?;
+        stepper.step(&mut state, f64::from(DT), &[]).ok()?;
+        Some(state)
     };
     let motion = || {
-        let states = std::iter::successors(runs[0].states.first().cloned(), |s| step(s).ok());
-        states.skip(1).take(frames).collect()
+        let states = std::iter::successors(runs[0].states.first().cloned(), step);
+        states.skip(1).take(FRAMES).collect()
     };
     let restarted = || {
         // Where a scheme chooses another one, the states are the same.
         let first = |r: usize, k: usize| {
-            let state = &runs[r].states[k];
-            (0..r).find(|&s| runs[s].states[k] == *state)
+            let is_same = |s: &usize| runs[*s].states[k] == runs[r].states[k];
+            (0..r).find(is_same).unwrap_or(r)
         };
-        let all: Vec<(usize, usize)> = (0..runs.len())
-            .flat_map(|r| (0..frames).map(move |k| (r, k)))
-            .collect();
-        let made: Vec<Option<Restarted>> = (all.par_iter())
-            .map(|&(r, k)| first(r, k).is_none().then(|| step(&runs[r].states[k])))
-            .collect();
-        let made_at = |r: usize, k: usize| made[r * frames + k].clone();
+        let all = 0..runs.len() * FRAMES;
+        let all = all.into_par_iter().map(|i| (i / FRAMES, i % FRAMES));
+        let made = all.map(|(r, k)| (first(r, k) == r).then(|| step(&runs[r].states[k])));
+        let made: Vec<Option<Option<State>>> = made.collect();
         let of_run = |r: usize| {
-            let of_frame = move |k: usize| made_at(first(r, k).unwrap_or(r), k);
-            (0..frames).filter_map(of_frame).collect()
+            let of_frame = |k: usize| made[first(r, k) * FRAMES + k].clone().flatten();
+            (0..FRAMES).map(of_frame).collect()
         };
         (0..runs.len()).map(of_run).collect()
     };
@@ -213,23 +223,20 @@ fn references(model: &Model, runs: &[Run; 3], frames: usize) -> (Trajectory, Vec
 ///
 /// The frames before the cut use the same scheme.
 /// Other programs lengthen the same frame of a few runs, but hardly of all.
-fn times(
-    scene: &Scene,
-    by: (Scheme, u32),
-    (frames, repeats): (usize, usize),
-) -> Result<Vec<f64>, Box<dyn Error>> {
-    let (body, sweep) = before_cut(scene, 3, by)?;
-    let mut shortest = vec![f64::INFINITY; frames];
-    for _ in 0..repeats {
+fn times(scene: &Scene, way: &Way) -> Result<[f64; FRAMES], Box<dyn Error>> {
+    let (body, sweep) = before_cut(scene, 3, way)?;
+    let params = way.params(scene);
+    let mut shortest = [f64::INFINITY; FRAMES];
+    for _ in 0..REPEATS {
         let mut body = body.clone();
         // The copy's scratch memory grows in its first frame.
-        (body.solver).step(&mut body.surface, DT, &params(scene, by))?;
+        (body.solver).step(&mut body.surface, DT, &params)?;
         let cut = CutParams::default();
         let cut = Cutter::new(&body.surface).cut(&mut body.surface, &sweep, &cut)?;
         let mut begin = Instant::now();
         body.solver.apply_delta(&mut body.surface, &cut.delta)?;
         for shortest in &mut shortest {
-            (body.solver).step(&mut body.surface, DT, &params(scene, by))?;
+            (body.solver).step(&mut body.surface, DT, &params)?;
             *shortest = shortest.min(begin.elapsed().as_secs_f64() * 1e3);
             begin = Instant::now();
         }

@@ -1,8 +1,10 @@
 //! Reference motions: converged implicit steps of decreasing size and their extrapolation.
 
-use super::error::distance;
-use super::scene::{Body, DT, Scene, Scheme};
-use incise_reference::{Model, ReferenceError, State, Stepper};
+use super::error::{ErrorMeasure, distance};
+use super::scene::Scene;
+use crate::motion::{Body, DT};
+use incise_pbd_gpu::Integrator;
+use incise_reference::{ReferenceError, State, Stepper};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::time::Instant;
@@ -13,16 +15,19 @@ pub(super) const FLOOR_SUBSTEPS: [u32; 4] = [1, 2, 4, 8];
 /// The state at the end of every frame.
 pub(super) type Trajectory = Vec<State>;
 
-/// The motion with a number of steps a frame.
-type Level = (u32, Result<Trajectory, ReferenceError>);
+/// The motion by an integrator with a number of steps a frame.
+struct Level {
+    integrator: Integrator,
+    steps: u32,
+    states: Result<Trajectory, ReferenceError>,
+}
 
 /// Motions of a scene by converged steps of several sizes.
 pub(super) struct Convergence {
-    pub(super) model: Model,
-    /// Implicit Euler, the solver's integrator.
-    euler: Vec<Level>,
-    /// Second-order backward differentiation (BDF2): the fine motions, and those of the floors.
-    second: Vec<Level>,
+    pub(super) measure: ErrorMeasure,
+    /// By implicit Euler, the solver's integrator, and by second-order backward differentiation
+    /// (BDF2): the fine motions, and those of the floors.
+    levels: Vec<Level>,
     /// Steps a frame of the fine motions.
     steps: [u32; 3],
     /// Time of all motions together \[s\].
@@ -36,13 +41,6 @@ pub(super) struct Exact {
     pub(super) uncertainty: f64,
 }
 
-/// An integrator of the reference.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Formula {
-    ImplicitEuler,
-    Bdf2,
-}
-
 impl Convergence {
     /// Computes the motions of a scene with the given steps a frame, the fine ones and those of
     /// the floors.
@@ -52,54 +50,44 @@ impl Convergence {
         substeps: &[u32],
     ) -> Result<Self, ReferenceError> {
         let begin = Instant::now();
-        let model = Model::of(&body.solver, &body.surface, &scene.params(1, 1))?;
-        let start = State::of(&body.solver, &body.surface);
+        let measure = ErrorMeasure::new(scene, body)?;
         let floors = FLOOR_SUBSTEPS.into_iter();
         let floors = floors.filter(|n| !scene.fine.contains(n));
         let second = scene.fine.into_iter().chain(floors);
-        let second = second.map(|n| (Formula::Bdf2, n));
-        let near = substeps
-            .iter()
-            .filter(|&&n| n <= scene.max_reference_substeps);
-        let euler = near.map(|&n| (Formula::ImplicitEuler, n));
-        let mut tasks: Vec<(Formula, u32)> = second.chain(euler).collect();
+        let near = substeps.iter().copied();
+        let near = near.filter(|&n| n <= scene.max_reference_substeps);
+        let second = second.map(|n| (Integrator::Bdf2, n));
+        let first = near.map(|n| (Integrator::Euler, n));
+        let mut tasks: Vec<(Integrator, u32)> = second.chain(first).collect();
         // Longest first, for balance.
         tasks.sort_by_key(|task| std::cmp::Reverse(task.1));
-        let done = tasks.into_par_iter().map(|(formula, n)| {
-            let moved = trajectory(&model, &start, formula, n, scene.frames);
-            (formula, (n, moved))
+        let levels = tasks.into_par_iter().map(|(integrator, steps)| Level {
+            integrator,
+            steps,
+            states: trajectory(&measure, integrator, steps, scene.frames),
         });
-        let done: Vec<(Formula, Level)> = done.collect();
-        let (second, euler): (Vec<_>, Vec<_>) =
-            done.into_iter().partition(|task| task.0 == Formula::Bdf2);
-        let levels = |tasks: Vec<(Formula, Level)>| tasks.into_iter().map(|task| task.1).collect();
         Ok(Self {
-            euler: levels(euler),
-            second: levels(second),
+            levels: levels.collect(),
             steps: scene.fine,
-            model,
+            measure,
             seconds: begin.elapsed().as_secs_f64(),
         })
     }
 
-    /// Returns the converged motion with a scheme's integrator; none if it was not computed.
-    pub(super) fn known(&self, scheme: Scheme, substeps: u32) -> Option<&[State]> {
-        let levels = match scheme {
-            Scheme::Second | Scheme::GlobalSecond => &self.second,
-            _ => &self.euler,
-        };
-        let states = level(levels, substeps).ok()?;
+    /// Returns the converged motion with an integrator; none if it was not computed.
+    pub(super) fn known(&self, integrator: Integrator, substeps: u32) -> Option<&[State]> {
+        let states = self.level(integrator, substeps).ok()?;
         (!states.is_empty()).then_some(states)
     }
 
     /// Returns the Richardson extrapolation of the two finest motions.
     pub(super) fn exact(&self) -> Result<Exact, ReferenceError> {
-        let [coarse, middle, fine] = self.steps.map(|n| level(&self.second, n));
+        let [coarse, middle, fine] = self.steps.map(|n| self.level(Integrator::Bdf2, n));
         let (coarse, middle, fine) = (coarse?, middle?, fine?);
         let before = extrapolate(coarse, middle);
         let states = extrapolate(middle, fine);
         // Of third order at least, so the error is a seventh of the change.
-        let uncertainty = distance(&self.model, &before, &states) / 7.0;
+        let uncertainty = distance(&self.measure.model, &before, &states) / 7.0;
         Ok(Exact {
             states,
             uncertainty,
@@ -108,16 +96,16 @@ impl Convergence {
 
     /// Returns the error of converged second-order steps; none if they were not computed.
     pub(super) fn floor(&self, exact: &Exact, substeps: u32) -> Option<f64> {
-        let states = self.known(Scheme::Second, substeps)?;
-        Some(distance(&self.model, states, &exact.states))
+        let states = self.known(Integrator::Bdf2, substeps)?;
+        Some(distance(&self.measure.model, states, &exact.states))
     }
-}
 
-fn level(levels: &[Level], substeps: u32) -> Result<&[State], ReferenceError> {
-    match levels.iter().find(|level| level.0 == substeps) {
-        Some((_, Ok(states))) => Ok(states),
-        Some((_, Err(error))) => Err(*error),
-        None => Ok(&[]),
+    fn level(&self, integrator: Integrator, steps: u32) -> Result<&[State], ReferenceError> {
+        let mut levels = self.levels.iter();
+        match levels.find(|level| level.integrator == integrator && level.steps == steps) {
+            Some(level) => level.states.as_deref().map_err(|error| *error),
+            None => Ok(&[]),
+        }
     }
 }
 
@@ -142,22 +130,21 @@ fn combine(one: &State, other: &State, part: f64) -> State {
 
 /// Returns the converged motion with `n` steps a frame.
 fn trajectory(
-    model: &Model,
-    start: &State,
-    formula: Formula,
+    measure: &ErrorMeasure,
+    integrator: Integrator,
     n: u32,
     frames: u32,
 ) -> Result<Trajectory, ReferenceError> {
     // The solver's substep with its rounding.
     let h = f64::from(DT / n as f32);
-    let mut stepper = Stepper::new(model)?;
-    let mut state = start.clone();
+    let mut stepper = Stepper::new(&measure.model)?;
+    let mut state = measure.start.clone();
     let mut before: Option<State> = None;
     let mut out = Vec::new();
     for _ in 0..frames {
         for _ in 0..n {
             let now = state.clone();
-            if let Some(before) = before.filter(|_| formula == Formula::Bdf2) {
+            if let Some(before) = before.filter(|_| integrator == Integrator::Bdf2) {
                 // (3 x' - 4 x + x0) / 2h = v' and the same of v: an implicit Euler step of 2h/3
                 // from (4 x - x0) / 3.
                 state = combine(&state, &before, 4.0 / 3.0);

@@ -1,7 +1,8 @@
 //! Errors of a motion against a reference motion.
 
-use super::scene::DT;
-use incise_reference::{Model, State};
+use super::scene::Scene;
+use crate::motion::{Body, DT};
+use incise_reference::{Model, ReferenceError, State};
 use nalgebra::Vector3;
 use serde::Serialize;
 
@@ -27,50 +28,64 @@ pub(super) struct Errors {
 }
 
 /// Computes errors of one scene.
-pub(super) struct ErrorMeasure<'a> {
-    pub(super) model: &'a Model,
+pub(super) struct ErrorMeasure {
+    pub(super) model: Model,
+    pub(super) start: State,
     /// Triangles of a closed surface, empty for an open one.
-    pub(super) triangles: &'a [[usize; 3]],
-    pub(super) start: &'a State,
+    triangles: Vec<[usize; 3]>,
     /// Whether the body has pins.
-    pub(super) is_held: bool,
+    is_held: bool,
 }
 
-impl ErrorMeasure<'_> {
+impl ErrorMeasure {
+    /// Returns the measure of a scene and its body at the start.
+    pub(super) fn new(scene: &Scene, body: &Body) -> Result<Self, ReferenceError> {
+        let topology = body.surface.topology();
+        let corners = |t| topology.triangle(t).map(|v| v.index());
+        Ok(Self {
+            model: Model::of(&body.solver, &body.surface, &scene.params(1, 1))?,
+            start: State::of(&body.solver, &body.surface),
+            triangles: match topology.is_closed() {
+                true => topology.triangles().map(corners).collect(),
+                false => Vec::new(),
+            },
+            is_held: !scene.pins.is_empty(),
+        })
+    }
+
     /// Returns the errors of a motion.
     pub(super) fn errors(&self, found: &[State], reference: &[State]) -> Errors {
-        let model = self.model;
+        let model = &self.model;
         let length = mean_length(model);
         let pairs = || found.iter().zip(reference);
         let farthest = pairs()
             .flat_map(|(a, b)| a.x.iter().zip(&b.x))
             .fold(0.0, |far: f64, (a, b)| far.max((a - b).norm()));
-        let strains = |state: &State| {
-            let strains = model.strains(state);
-            let mean = strains.iter().map(|s| s * s).sum::<f64>() / strains.len().max(1) as f64;
-            let largest = strains.iter().fold(0.0, |far: f64, s| far.max(s.abs()));
-            [mean.sqrt(), largest]
+        let worst = |quantity: &dyn Fn(&State) -> f64| {
+            let changes = pairs().map(|(a, b)| (quantity(a) - quantity(b)).abs());
+            changes.fold(0.0, f64::max)
         };
-        let [strain, largest_strain] = pairs().fold([0.0_f64; 2], |far, (a, b)| {
-            let (a, b) = (strains(a), strains(b));
-            [0, 1].map(|k| far[k].max((a[k] - b[k]).abs()))
-        });
-        let at_start = volume(self.triangles, self.start);
-        let volume = (!self.triangles.is_empty()).then(|| {
-            pairs().fold(0.0, |far: f64, (a, b)| {
-                let off = volume(self.triangles, a) - volume(self.triangles, b);
-                far.max((off / at_start).abs())
-            })
-        });
+        let mean_strain = |state: &State| {
+            let strains = model.strains(state);
+            let sum: f64 = strains.iter().map(|s| s * s).sum();
+            (sum / strains.len().max(1) as f64).sqrt()
+        };
+        let largest_strain = |state: &State| {
+            let strains = model.strains(state);
+            strains.iter().fold(0.0, |far: f64, s| far.max(s.abs()))
+        };
+        let volume = |state: &State| volume(&self.triangles, state);
+        let is_closed = !self.triangles.is_empty();
         Errors {
             position: distance(model, found, reference),
             farthest: farthest / length,
             force: self.force(found, reference),
-            strain,
-            largest_strain,
-            volume,
+            strain: worst(&mean_strain),
+            largest_strain: worst(&largest_strain),
+            volume: is_closed.then(|| worst(&volume) / volume(&self.start).abs()),
             energy: self.energy(found, reference),
-            sag: self.sag_error(found, reference),
+            sag: (self.sag(found).zip(self.sag(reference)))
+                .map(|(found, reference)| (found / reference - 1.0).abs()),
         }
     }
 
@@ -84,20 +99,15 @@ impl ErrorMeasure<'_> {
         (self.is_held && farthest > 0.0).then_some(farthest)
     }
 
-    fn sag_error(&self, found: &[State], reference: &[State]) -> Option<f64> {
-        let (found, reference) = (self.sag(found)?, self.sag(reference)?);
-        Some((found / reference - 1.0).abs())
-    }
-
     /// Returns the relative error of the pin force, which follows from the momentum of the rest.
     fn force(&self, found: &[State], reference: &[State]) -> Option<f64> {
-        let model = self.model;
+        let model = &self.model;
         if !self.is_held {
             return None;
         }
         let weight = model.gravity * model.mass.iter().sum::<f64>();
         let forces = |states: &[State]| -> Vec<_> {
-            let mut before = model.momentum(self.start);
+            let mut before = model.momentum(&self.start);
             let of = |state: &State| {
                 let now = model.momentum(state);
                 let force = (now - before) / f64::from(DT) - weight;
@@ -115,7 +125,7 @@ impl ErrorMeasure<'_> {
     }
 
     fn energy(&self, found: &[State], reference: &[State]) -> f64 {
-        let model = self.model;
+        let model = &self.model;
         let (Some(a), Some(b)) = (found.last(), reference.last()) else {
             return 0.0;
         };

@@ -1,8 +1,9 @@
-//! Times the motion of a scene on the CPU.
+//! Times the motion of a scene on the CPU or on a GPU.
 
 use super::convergence::Trajectory;
-use super::scene::{Body, DT};
+use crate::gpu::Device;
 use crate::measure::{Budget, Times, measure};
+use crate::motion::{Body, DT};
 use incise_pbd_gpu::{SolverParams, StepError};
 use incise_reference::{Model, PatchStepper, ReferenceError, State};
 
@@ -14,62 +15,40 @@ const BUDGET: Budget = Budget {
 };
 
 /// The states and times of a run.
+#[derive(Default)]
 pub(super) struct Run {
+    /// The states of the first repetition.
     pub(super) states: Trajectory,
-    /// Median time of a frame \[s\].
-    pub(super) seconds: f64,
-    /// GPU runs: encoding time, and time by timestamps \[s\].
-    pub(super) encode: Option<f64>,
-    pub(super) device: Option<f64>,
+    /// Times of frames until the backend is done.
+    pub(super) frames: Times,
+    /// Times to encode a frame on a GPU.
+    pub(super) encode: Times,
+    /// Times of frames by the timestamps of a GPU that has them.
+    pub(super) device: Times,
     /// Projections of a frame.
     pub(super) projections: u64,
 }
 
-/// Times of frames; empty where a backend does not measure them.
-#[derive(Default)]
-pub(super) struct GpuTimes {
-    pub(super) encode: Times,
-    pub(super) device: Times,
-}
-
-/// Repeats a motion. `once` records the times of every frame, pushes its state if asked to, and
-/// returns the projections of a frame.
-pub(super) fn timed<E>(
-    mut once: impl FnMut(&mut Times, &mut GpuTimes, Option<&mut Vec<State>>) -> Result<u64, E>,
-) -> Result<Run, E> {
-    let (mut gpu, mut states, mut projections) = (GpuTimes::default(), Vec::new(), 0);
-    let mut is_first = true;
-    let frames = measure(&BUDGET, |frames| {
-        let kept = std::mem::take(&mut is_first).then_some(&mut states);
-        projections = once(frames, &mut gpu, kept)?;
-        Ok(())
-    })?;
-    let known = |times: &Times| (!times.0.is_empty()).then(|| times.median());
-    Ok(Run {
-        states,
-        seconds: frames.median(),
-        encode: known(&gpu.encode),
-        device: known(&gpu.device),
-        projections,
-    })
+/// Repeats a motion, which records its times, and its states if there are none yet.
+fn repeated<E>(mut once: impl FnMut(&mut Run) -> Result<(), E>) -> Result<Run, E> {
+    let mut run = Run::default();
+    measure(&BUDGET, |_| once(&mut run))?;
+    Ok(run)
 }
 
 /// Steps a body on the CPU, repeatedly from its start.
 pub(super) fn on_cpu(body: &Body, params: &SolverParams, frames: u32) -> Result<Run, StepError> {
-    timed(|times, _, mut states| {
-        let Body {
-            mut surface,
-            mut solver,
-        } = body.clone();
-        let mut projections = 0;
+    repeated(|run| {
+        let is_first = run.states.is_empty();
+        let Body { surface, solver } = &mut body.clone();
         for _ in 0..frames {
-            let stats = times.time(|| solver.step(&mut surface, DT, params))?;
-            projections = stats.stretch_projections + stats.bending_projections;
-            if let Some(states) = states.as_deref_mut() {
-                states.push(State::of(&solver, &surface));
+            let stats = run.frames.time(|| solver.step(surface, DT, params))?;
+            run.projections = stats.stretch_projections + stats.bending_projections;
+            if is_first {
+                run.states.push(State::of(solver, surface));
             }
         }
-        Ok(projections)
+        Ok(())
     })
 }
 
@@ -83,19 +62,64 @@ pub(super) fn by_patches(
     let start = State::of(&body.solver, &body.surface);
     let stepper = PatchStepper::new(&model, &start.x)?;
     let h = f64::from(DT) / f64::from(params.substeps);
-    timed(|times, _, mut states| {
+    repeated(|run| {
+        let is_first = run.states.is_empty();
         let mut state = start.clone();
         for _ in 0..frames {
-            times.time(|| {
+            run.frames.time(|| {
                 for _ in 0..params.substeps {
                     stepper.step(&mut state, h, params.iterations);
                 }
                 Ok::<(), ReferenceError>(())
             })?;
-            if let Some(states) = states.as_deref_mut() {
-                states.push(state.clone());
+            if is_first {
+                run.states.push(state.clone());
             }
         }
-        Ok(0)
+        Ok(())
     })
+}
+
+/// Steps a body on a GPU, repeatedly from its start; a frame ends when the GPU is done. Reading
+/// back is not timed.
+#[cfg(feature = "gpu")]
+pub(super) fn on_gpu(
+    device: &mut Device,
+    body: &Body,
+    params: &SolverParams,
+    frames: u32,
+) -> Result<Run, incise_pbd_gpu::GpuError> {
+    let repeat = |gpu: &mut incise_pbd_gpu::GpuBackend, run: &mut Run| {
+        let is_first = run.states.is_empty();
+        let Body { surface, solver } = &mut body.clone();
+        let place = gpu.add(surface, solver)?;
+        // Timestamps are taken in the run whose states are read back.
+        gpu.time_steps(is_first)?;
+        for _ in 0..frames {
+            let begin = std::time::Instant::now();
+            let stats = gpu.step([(place, &mut *solver)], DT, params)?;
+            run.projections = stats.stretch_projections + stats.bending_projections;
+            run.encode.0.push(begin.elapsed().as_secs_f64());
+            gpu.wait()?;
+            run.frames.0.push(begin.elapsed().as_secs_f64());
+            run.device.0.extend(gpu.step_seconds()?);
+            if is_first {
+                gpu.read(place, surface, solver)?;
+                run.states.push(State::of(solver, surface));
+            }
+        }
+        gpu.remove(place);
+        Ok(())
+    };
+    device.measure(|gpu| repeated(|run| repeat(gpu, run)))
+}
+
+#[cfg(not(feature = "gpu"))]
+pub(super) fn on_gpu(
+    device: &mut Device,
+    _: &Body,
+    _: &SolverParams,
+    _: u32,
+) -> Result<Run, crate::gpu::NoGpu> {
+    match *device {}
 }

@@ -1,27 +1,28 @@
 //! A scene for the solver and the reference: body, initial motion, pins and schemes.
 
+use crate::motion::Body;
+use clap::ValueEnum;
 use incise_cut::{CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, VertexId};
 use incise_pbd_gpu::{Collider, Integrator, Material, Solver, SolverParams, Stiffness};
 use incise_reference::{Model, State};
+use serde::Serialize;
 use std::error::Error;
 
-/// Length of a frame \[s\].
-pub(super) const DT: f32 = 1.0 / 60.0;
-
 /// A solver scheme.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
 pub(super) enum Scheme {
     /// XPBD with compliances.
     Xpbd,
     /// XPBD with a diagonal scale of 0.5.
-    Half,
+    XpbdHalf,
     /// XPBD with a diagonal scale of 0.5 and BDF2 substeps.
-    Second,
+    XpbdHalfBdf2,
     /// The global step with compliances.
     Global,
     /// The global step with BDF2 substeps.
-    GlobalSecond,
+    GlobalBdf2,
     /// Rigid patches, coarse to fine, in 64 bits: not in the product.
     Patches,
     /// The paper's stiffnesses of 0 to 1, those of an isolated constraint with the median weight
@@ -30,22 +31,9 @@ pub(super) enum Scheme {
 }
 
 impl Scheme {
-    pub(super) const ALL: [Self; 7] = [
-        Self::Xpbd,
-        Self::Half,
-        Self::Second,
-        Self::Global,
-        Self::GlobalSecond,
-        Self::Patches,
-        Self::Pbd,
-    ];
-
-    /// Returns whether the GPU backend does not support the scheme.
-    pub(super) const fn is_cpu_only(self) -> bool {
-        matches!(
-            self,
-            Self::Second | Self::Global | Self::GlobalSecond | Self::Patches
-        )
+    /// Returns whether the GPU backend supports the scheme.
+    pub(super) const fn is_on_gpu(self) -> bool {
+        matches!(self, Self::Xpbd | Self::XpbdHalf | Self::Pbd)
     }
 
     /// Returns the largest number of iterations per frame, over all substeps: a cycle of patches
@@ -57,15 +45,10 @@ impl Scheme {
         }
     }
 
-    pub(super) const fn name(self) -> &'static str {
+    pub(super) const fn integrator(self) -> Integrator {
         match self {
-            Self::Xpbd => "xpbd",
-            Self::Half => "xpbd-half",
-            Self::Second => "xpbd-half-bdf2",
-            Self::Global => "global",
-            Self::GlobalSecond => "global-bdf2",
-            Self::Patches => "patches",
-            Self::Pbd => "pbd",
+            Self::XpbdHalfBdf2 | Self::GlobalBdf2 => Integrator::Bdf2,
+            _ => Integrator::Euler,
         }
     }
 }
@@ -93,13 +76,6 @@ pub(super) struct Scene {
     pub(super) max_reference_substeps: u32,
 }
 
-/// A scene's body with a solver.
-#[derive(Clone)]
-pub(super) struct Body {
-    pub(super) surface: Surface,
-    pub(super) solver: Solver,
-}
-
 impl Scene {
     /// Returns a scene with a body at rest without pins.
     pub(super) fn new(name: &'static str, surface: Surface, material: Material) -> Self {
@@ -120,22 +96,16 @@ impl Scene {
 
     /// Returns the parameters of a scheme.
     pub(super) fn params_by(&self, scheme: Scheme, substeps: u32, iterations: u32) -> SolverParams {
-        let diagonal_scale = match scheme {
-            Scheme::Half | Scheme::Second => 0.5,
-            _ => 1.0,
-        };
-        let integrator = match scheme {
-            Scheme::Second | Scheme::GlobalSecond => Integrator::Bdf2,
-            _ => Integrator::Euler,
-        };
-        let scheme = match scheme {
-            Scheme::Global | Scheme::GlobalSecond => incise_pbd_gpu::Scheme::Global,
-            _ => incise_pbd_gpu::Scheme::Sweeps,
-        };
         SolverParams {
-            diagonal_scale,
-            scheme,
-            integrator,
+            diagonal_scale: match scheme {
+                Scheme::XpbdHalf | Scheme::XpbdHalfBdf2 => 0.5,
+                _ => 1.0,
+            },
+            scheme: match scheme {
+                Scheme::Global | Scheme::GlobalBdf2 => incise_pbd_gpu::Scheme::Global,
+                _ => incise_pbd_gpu::Scheme::Sweeps,
+            },
+            integrator: scheme.integrator(),
             ..self.params(substeps, iterations)
         }
     }

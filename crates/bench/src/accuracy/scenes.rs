@@ -1,10 +1,10 @@
-//! The eleven scenes of the accuracy bench.
+//! The eleven scenes of the accuracy bench, of models, sheets, strips and bars.
 
 use super::scene::Scene;
-use super::shapes::{bar, sheet, zigzag};
 use incise_cut::Sweep;
-use incise_mesh::{Surface, VertexId};
-use incise_models::{Model, build_model};
+use incise_mesh::{Surface, TopologyError, Vec3, VertexId};
+use incise_models::scenes::cuboid;
+use incise_models::{Model, build_model, place};
 use incise_pbd_gpu::{Density, Material, Stiffness, Volume};
 use std::error::Error;
 use std::f32::consts::PI;
@@ -26,19 +26,66 @@ pub(super) const NAMES: [&str; 11] = [
 
 /// Builds the scene of a name.
 pub(super) fn scene(name: &'static str) -> Result<Scene, Box<dyn Error>> {
-    match name {
-        "chain" => chain(),
-        "sheet-1e2" => hung(name, 1e-2),
-        "sheet-1e4" => hung(name, 1e-4),
-        "sheet-1e6" => hung(name, 1e-6),
+    let weightless = |surface| Scene {
+        gravity: [0.0; 3],
+        ..Scene::new(name, surface, material(1e-3, Some(1.0)))
+    };
+    Ok(match name {
+        // A horizontal strip of 20 particles, the first two pinned.
+        "chain" => Scene {
+            pins: [0, 1].map(VertexId).into(),
+            frames: 30,
+            ..Scene::new(name, zigzag(20, 0.1)?, material(1e-8, None))
+        },
+        "sheet-1e2" => hung_sheet(name, 1e-2)?,
+        "sheet-1e4" => hung_sheet(name, 1e-4)?,
+        "sheet-1e6" => hung_sheet(name, 1e-6)?,
         "bar" => pinned_bar(name, None),
         "bar-volume" => pinned_bar(name, Some(Volume::default())),
-        "bunny" => stretched(),
-        "drop" => drop(),
-        "ribbon" => ribbon(),
-        "cut" => cut(),
-        _ => Ok(armadillo()),
-    }
+        // A bunny stretched by a tenth.
+        "bunny" => {
+            let mut surface = build_model(Model::Bunny);
+            move_all(&mut surface, |[x, y, z]| [1.1 * x, y, z]);
+            Scene {
+                frames: 10,
+                ..weightless(surface)
+            }
+        }
+        // A ball that hits the ground at 2 m/s.
+        "drop" => {
+            let surface = build_model(Model::Sphere768);
+            Scene {
+                ground: Some(surface.bounds().min[1] - 0.05),
+                velocities: vec![[0.0, -2.0, 0.0]; surface.topology().vertex_count()],
+                ..Scene::new(name, surface, material(1e-5, Some(1e-2)))
+            }
+        }
+        "ribbon" => {
+            let (surface, pins) = twisted_ribbon()?;
+            Scene {
+                pins,
+                ..weightless(surface)
+            }
+        }
+        // A bar stretched by a tenth between pinned ends and cut through.
+        "cut" => {
+            let mut surface = bar([16, 4, 4], 0.0625);
+            move_all(&mut surface, |[x, y, z]| [1.1 * x, y, z]);
+            let bounds = surface.bounds();
+            Scene {
+                pins: vertices_where(&surface, |[x, _, _]| x == 0.0 || x > 1.09),
+                sweep: Some(Sweep::from_plane([1.0, 0.3, 0.2], 0.75, &bounds)?),
+                ..weightless(surface)
+            }
+        }
+        // An armadillo pinned at the top of its head.
+        _ => Scene {
+            frames: 3,
+            fine: [8, 16, 32],
+            max_reference_substeps: 0,
+            ..hung_model(name, Model::Armadillo)
+        },
+    })
 }
 
 /// Compliances of stretch [m/N] and bending [rad/(N m)], 1 kg/m^2, without damping and friction.
@@ -54,69 +101,31 @@ fn material(stretch: f32, bending: Option<f32>) -> Material {
     }
 }
 
-/// A horizontal strip of 20 particles, the first two pinned.
-fn chain() -> Result<Scene, Box<dyn Error>> {
-    Ok(Scene {
-        pins: [0, 1].map(VertexId).into(),
-        frames: 30,
-        ..Scene::new("chain", zigzag(20, 0.1)?, material(1e-8, None))
-    })
-}
-
 /// A horizontal sheet of 1 m, pinned at two corners.
-fn hung(name: &'static str, stretch: f32) -> Result<Scene, Box<dyn Error>> {
+fn hung_sheet(name: &'static str, stretch: f32) -> Result<Scene, TopologyError> {
     let n = 12;
+    let surface = sheet(n, n, 1.0 / n as f32)?;
     Ok(Scene {
         pins: [0, n].map(VertexId).into(),
-        ..Scene::new(
-            name,
-            sheet(n, n, 1.0 / n as f32)?,
-            material(stretch, Some(10.0)),
-        )
+        ..Scene::new(name, surface, material(stretch, Some(10.0)))
     })
 }
 
 /// A bar pinned at one end, with a volume constraint or without.
-fn pinned_bar(name: &'static str, volume: Option<Volume>) -> Result<Scene, Box<dyn Error>> {
+fn pinned_bar(name: &'static str, volume: Option<Volume>) -> Scene {
     let surface = bar([16, 4, 4], 0.0625);
-    let pins = vertices_where(&surface, |[x, _, _]| x == 0.0);
-    Ok(Scene {
-        pins,
-        ..Scene::new(
-            name,
-            surface,
-            Material {
-                volume,
-                ..material(1e-5, Some(1e-2))
-            },
-        )
-    })
+    let material = Material {
+        volume,
+        ..material(1e-5, Some(1e-2))
+    };
+    Scene {
+        pins: vertices_where(&surface, |[x, _, _]| x == 0.0),
+        ..Scene::new(name, surface, material)
+    }
 }
 
-/// A bunny stretched by a tenth, without gravity.
-fn stretched() -> Result<Scene, Box<dyn Error>> {
-    let mut surface = build_model(Model::Bunny);
-    move_all(&mut surface, |[x, y, z]| [1.1 * x, y, z]);
-    Ok(Scene {
-        gravity: [0.0; 3],
-        frames: 10,
-        ..Scene::new("bunny", surface, material(1e-3, Some(1.0)))
-    })
-}
-
-/// A ball that hits the ground at 2 m/s.
-fn drop() -> Result<Scene, Box<dyn Error>> {
-    let surface = build_model(Model::Sphere768);
-    let count = surface.topology().vertex_count();
-    Ok(Scene {
-        ground: Some(surface.bounds().min[1] - 0.05),
-        velocities: vec![[0.0, -2.0, 0.0]; count],
-        ..Scene::new("drop", surface, material(1e-5, Some(1e-2)))
-    })
-}
-
-/// A ribbon twisted by half a turn between pinned ends, without gravity.
-fn ribbon() -> Result<Scene, Box<dyn Error>> {
+/// A ribbon twisted by half a turn, and the vertices of its ends.
+fn twisted_ribbon() -> Result<(Surface, Vec<VertexId>), TopologyError> {
     let n = 40;
     let size = 0.05;
     let mut surface = sheet(n, 4, size)?;
@@ -129,50 +138,22 @@ fn ribbon() -> Result<Scene, Box<dyn Error>> {
         [x, cos * y + sin * z, cos * z - sin * y]
     });
     let last = length - 0.5 * size;
-    let pins = vertices_where(&surface, |[x, _, _]| x == 0.0 || x > last);
-    Ok(Scene {
-        gravity: [0.0; 3],
-        pins,
-        ..Scene::new("ribbon", surface, material(1e-3, Some(1.0)))
-    })
-}
-
-/// A bar stretched by a tenth between pinned ends and cut through.
-fn cut() -> Result<Scene, Box<dyn Error>> {
-    let mut surface = bar([16, 4, 4], 0.0625);
-    move_all(&mut surface, |[x, y, z]| [1.1 * x, y, z]);
-    let pins = vertices_where(&surface, |[x, _, _]| x == 0.0 || x > 1.09);
-    let sweep = Sweep::from_plane([1.0, 0.3, 0.2], 0.75, &surface.bounds())?;
-    Ok(Scene {
-        gravity: [0.0; 3],
-        pins,
-        sweep: Some(sweep),
-        ..Scene::new("cut", surface, material(1e-3, Some(1.0)))
-    })
-}
-
-/// An armadillo pinned at the top of its head.
-fn armadillo() -> Scene {
-    Scene {
-        frames: 3,
-        fine: [8, 16, 32],
-        max_reference_substeps: 0,
-        ..hung_model("armadillo", build_model(Model::Armadillo))
-    }
+    let ends = vertices_where(&surface, |[x, _, _]| x == 0.0 || x > last);
+    Ok((surface, ends))
 }
 
 /// The bodies whose frames after a cut are measured.
 pub(super) fn hung_models() -> [Scene; 2] {
     [("bunny", Model::Bunny), ("armadillo", Model::Armadillo)]
-        .map(|(name, model)| hung_model(name, build_model(model)))
+        .map(|(name, model)| hung_model(name, model))
 }
 
 /// A stiff body pinned at its top.
-pub(super) fn hung_model(name: &'static str, surface: Surface) -> Scene {
+fn hung_model(name: &'static str, model: Model) -> Scene {
+    let surface = build_model(model);
     let top = surface.bounds().max[1] - 0.05;
-    let pins = vertices_where(&surface, |[_, y, _]| y > top);
     Scene {
-        pins,
+        pins: vertices_where(&surface, |[_, y, _]| y > top),
         ..Scene::new(name, surface, material(1e-4, Some(1e-1)))
     }
 }
@@ -190,4 +171,50 @@ fn vertices_where(surface: &Surface, is: impl Fn([f32; 3]) -> bool) -> Vec<Verte
         is([x, y, z])
     };
     surface.topology().vertices().filter(at).collect()
+}
+
+/// A sheet of `across` by `along` squares of side `size` \[m\] in the plane of x and z; diagonals
+/// alternate. Vertex `i (along + 1) + j` is at x = `i size`, z =
+/// `j size`.
+fn sheet(across: u32, along: u32, size: f32) -> Result<Surface, TopologyError> {
+    let mut points = Vec::new();
+    let mut faces = Vec::new();
+    for i in 0..=across {
+        for j in 0..=along {
+            points.push([i as f32 * size, 0.0, j as f32 * size]);
+            if i < across && j < along {
+                let a = i * (along + 1) + j;
+                let (b, c, d) = (a + 1, a + along + 2, a + along + 1);
+                if (i + j) % 2 == 0 {
+                    faces.extend([[a, b, c], [a, c, d]]);
+                } else {
+                    faces.extend([[a, b, d], [b, c, d]]);
+                }
+            }
+        }
+    }
+    Surface::from_triangles(&points, &faces)
+}
+
+/// A zigzag strip of `points` particles, `size` \[m\] apart along x.
+fn zigzag(points: u32, size: f32) -> Result<Surface, TopologyError> {
+    let at = |i: u32| [0.5 * i as f32 * size, 0.0, (i % 2) as f32 * 0.866 * size];
+    let faces: Vec<[u32; 3]> = (2..points)
+        .map(|i| {
+            if i % 2 == 0 {
+                [i - 2, i - 1, i]
+            } else {
+                [i - 1, i - 2, i]
+            }
+        })
+        .collect();
+    Surface::from_triangles(&(0..points).map(at).collect::<Vec<_>>(), &faces)
+}
+
+/// A closed box of `n` cubes a side of `size` \[m\], a corner at the origin.
+fn bar(n: [u32; 3], size: f64) -> Surface {
+    let sides = n.map(|count| f64::from(count) * size);
+    let mut surface = cuboid(sides, n);
+    place(&mut surface, |p| p + Vec3::from(sides) / 2.0);
+    surface
 }

@@ -1,34 +1,12 @@
 //! Tests of scenes, reference and errors together.
 
 use super::convergence::{Convergence, FLOOR_SUBSTEPS};
-use super::error::{ErrorMeasure, distance};
+use super::error::distance;
 use super::run::on_cpu;
-use super::scene::{DT, Scheme};
+use super::scene::Scheme;
 use super::scenes;
-use incise_pbd_gpu::Stiffness;
-use incise_reference::{Model, State};
-use nalgebra::Vector3;
-
-#[test]
-fn the_cut_is_through_and_keeps_the_strain() {
-    let scene = scenes::scene("cut").unwrap();
-    let body = scene.body().unwrap();
-    let topology = body.surface.topology();
-    let mut pieces: Vec<u32> = topology
-        .triangles()
-        .map(|t| body.surface.piece(t))
-        .collect();
-    pieces.sort_unstable();
-    pieces.dedup();
-    assert_eq!(pieces.len(), 2);
-    let model = Model::of(&body.solver, &body.surface, &scene.params(1, 1)).unwrap();
-    let strains = model.strains(&State::of(&body.solver, &body.surface));
-    // Drawn out along x by a tenth: no edge, of the caps or of the old surface, is longer or
-    // shorter than that.
-    for strain in strains {
-        assert!((-1e-3..0.101).contains(&strain), "strain {strain}");
-    }
-}
+use crate::motion::DT;
+use incise_pbd_gpu::{Integrator, Stiffness};
 
 #[test]
 fn stiffnesses_take_the_place_of_compliances() {
@@ -68,13 +46,7 @@ fn substeps_and_floors_tend_to_the_limit_of_the_reference() {
     let body = scene.body().unwrap();
     let convergence = Convergence::compute(&scene, &body, &[4, 8]).unwrap();
     let exact = convergence.exact().unwrap();
-    let start = State::of(&body.solver, &body.surface);
-    let measure = ErrorMeasure {
-        model: &convergence.model,
-        triangles: &[],
-        start: &start,
-        is_held: true,
-    };
+    let measure = &convergence.measure;
     let errors = [4, 16, 64].map(|substeps| {
         let run = on_cpu(&body, &scene.params(substeps, 32), scene.frames).unwrap();
         measure.errors(&run.states, &exact.states).position
@@ -87,7 +59,7 @@ fn substeps_and_floors_tend_to_the_limit_of_the_reference() {
     assert!(uncertainty < 0.1 * errors[2], "{uncertainty} of {errors:?}");
     // Solved as far as it can be, it is the converged step but for the way of its gradients.
     let run = on_cpu(&body, &scene.params(4, 256), scene.frames).unwrap();
-    let known = convergence.known(Scheme::Xpbd, 4).unwrap();
+    let known = convergence.known(Integrator::Euler, 4).unwrap();
     let own = measure.errors(&run.states, known).position;
     assert!(own < 0.2 * errors[0], "{own} of {errors:?}");
     let floors = FLOOR_SUBSTEPS.map(|substeps| convergence.floor(&exact, substeps).unwrap());
@@ -95,35 +67,10 @@ fn substeps_and_floors_tend_to_the_limit_of_the_reference() {
         let order = (pair[0] / pair[1]).log2();
         assert!((1.6..2.4).contains(&order), "order {order} of {floors:?}");
     }
-    let first_order = convergence.known(Scheme::Xpbd, 8).unwrap();
-    let first_order = distance(&convergence.model, first_order, &exact.states);
+    let first_order = convergence.known(Integrator::Euler, 8).unwrap();
+    let first_order = distance(&measure.model, first_order, &exact.states);
     assert!(
         4.0 * floors[3] < first_order,
         "{floors:?}, and {first_order}"
     );
-}
-
-#[test]
-fn a_distance_is_in_rest_lengths_and_weighs_by_mass() {
-    let scene = scenes::scene("chain").unwrap();
-    let body = scene.body().unwrap();
-    let model = Model::of(&body.solver, &body.surface, &scene.params(1, 1)).unwrap();
-    let state = State::of(&body.solver, &body.surface);
-    let mut other = state.clone();
-    for x in &mut other.x {
-        *x += Vector3::new(0.0, 0.03, 0.04);
-    }
-    let length = model.stretch.rest.iter().sum::<f64>() / model.stretch.rest.len() as f64;
-    let found = distance(
-        &model,
-        std::slice::from_ref(&other),
-        std::slice::from_ref(&state),
-    );
-    assert!((found - 0.05 / length).abs() < 1e-12, "{found}");
-    // What is held has no mass there, wherever it is.
-    let mut held = state.clone();
-    held.x[0].x += 1.0;
-    assert_eq!(model.mass[0], 0.0);
-    let found = distance(&model, &[held], &[state]);
-    assert_eq!(found, 0.0);
 }

@@ -4,9 +4,8 @@
 //! of triangles are measured and undone. The tips are moved away first, because they would lie in
 //! the way of the next slices. Caps are uniform.
 
-use super::body::{CutBody, Outcomes};
-use super::times::Times;
-use crate::method::Method;
+use super::Parameters;
+use super::body::{CutBody, Outcomes, StageTimes};
 use incise_cut::Sweep;
 use incise_mesh::{TriangleId, Vec3, cube_sphere};
 use incise_models::scenes::Directions;
@@ -40,8 +39,8 @@ pub(super) struct Row {
     hits_from: f64,
     hits_to: f64,
     pub(super) failures: Vec<String>,
-    ms_median: Times,
-    ms_p99: Times,
+    ms_median: StageTimes,
+    ms_p99: StageTimes,
     /// 99th percentile of the total, relative to the first stage.
     p99_ratio: f64,
 }
@@ -50,12 +49,12 @@ pub(super) struct Row {
 ///
 /// # Errors
 /// An error of the solver or of an undo, or a body too small for another slice.
-pub(super) fn measure(method: Method, cuts: u32, seed: u64) -> Result<Vec<Row>, Box<dyn Error>> {
-    let mut body = CutBody::new(cube_sphere(QUADS, 0.5))?;
-    let mut directions = Directions(seed);
+pub(super) fn measure(parameters: &Parameters, cuts: u32) -> Result<Vec<Row>, Box<dyn Error>> {
+    let mut body = CutBody::new(cube_sphere(QUADS, 0.5), parameters.caps)?;
+    let mut directions = Directions(parameters.seed);
     // The ball keeps its piece number: it has the most triangles.
     let piece = body.surface.piece(TriangleId(0));
-    let method = method.only(piece);
+    body.only_piece = Some(piece);
     let bounds = body.surface.bounds();
     let mut near = body.surface.piece_bound();
     let mut rows: Vec<Row> = Vec::new();
@@ -64,7 +63,7 @@ pub(super) fn measure(method: Method, cuts: u32, seed: u64) -> Result<Vec<Row>, 
             return Err(format!("after {cut} cuts no slice hits {HITS} triangles").into());
         };
         // A failed cut shows among the measured slices.
-        body.cut(&Sweep::from_plane(normal.into(), d, &bounds)?, &method)?;
+        let _ = body.cut(&Sweep::from_plane(normal.into(), d, &bounds)?)?;
         if !STAGES.contains(&cut) && cut != cuts {
             continue;
         }
@@ -77,10 +76,9 @@ pub(super) fn measure(method: Method, cuts: u32, seed: u64) -> Result<Vec<Row>, 
         let mut outcomes = Outcomes::default();
         for (normal, d) in slices {
             let sweep = Sweep::from_plane(normal.into(), d, &bounds)?;
-            let plane = [normal.x, normal.y, normal.z, d];
-            body.probe((&sweep, plane), &method, &mut outcomes)?;
+            body.probe(&sweep, normal, d, &mut outcomes)?;
         }
-        let [ms_median, ms_p99] = [50, 99].map(|p| Times::percentile(&outcomes.times, p));
+        let [ms_median, ms_p99] = [50, 99].map(|p| StageTimes::percentile(&outcomes.times, p));
         let first = rows.first().map_or(ms_p99, |row| row.ms_p99);
         rows.push(Row {
             kind: "latency",

@@ -6,9 +6,9 @@
 mod incised_body;
 mod strokes;
 
-use super::times::Times;
-use super::{CutArguments, CutOutput};
-use crate::statistics::{mean, median};
+use super::body::StageTimes;
+use super::{CutArguments, CutOutput, Parameters};
+use crate::measure::{mean, median};
 use crate::workload::{Workload, progressive_workloads};
 use incise_cut::CutParams;
 use incise_mesh::Surface;
@@ -26,14 +26,18 @@ const MIN_GROWTH: usize = 2000;
 /// Consecutive strokes without a cut after which a row is given up.
 const MAX_IDLE_STROKES: usize = 1000;
 
+/// Motions of a body in rows.
+const STILL: &str = "still";
+const TURNING: &str = "turning";
+
 /// The strokes and the motion of a row.
 #[derive(Debug, Clone, Copy)]
 struct Plan {
     /// Alternating kinds of strokes.
     kinds: &'static [StrokeKind],
     planes: Planes,
-    /// Whether each of alternating bodies turns.
-    motions: &'static [bool],
+    /// The motions of alternating bodies.
+    motions: &'static [&'static str],
     /// Steps that cut.
     steps: usize,
     /// Whether a body that has grown is replaced.
@@ -41,14 +45,14 @@ struct Plan {
 }
 
 /// Steps of a blade through one body, stroke after stroke.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 struct Row {
     kind: &'static str,
     source: String,
     /// The kinds of strokes: `drag`, `press` or both in turns.
     strokes: String,
     /// Whether the planes of the strokes are `parallel` or `crossing`.
-    planes: &'static str,
+    planes: Planes,
     /// Whether the body is `still` or `turning`.
     motion: String,
     triangles: usize,
@@ -64,10 +68,10 @@ struct Row {
     wall_triangles: usize,
     /// Triangles of both walls of a step, median.
     wall_triangles_median: f64,
-    ms_median: Times,
-    ms_p90: Times,
-    ms_p99: Times,
-    ms_max: Times,
+    ms_median: StageTimes,
+    ms_p90: StageTimes,
+    ms_p99: StageTimes,
+    ms_max: StageTimes,
     /// Mean times of the steps of the first and of the last tenth \[ms\], and their ratio.
     first_ms: f64,
     last_ms: f64,
@@ -110,21 +114,22 @@ impl Failure {
 /// With `--steps`, that many in all are distributed over ten bodies, in crossing planes.
 pub(super) fn run(
     arguments: &CutArguments,
-    params: &CutParams,
     mut output: CutOutput<'_>,
 ) -> Result<(), Box<dyn Error>> {
     let steps = arguments.steps;
+    let Parameters { caps, seed } = output.parameters;
+    let params = caps.exact();
     let bodies = progressive_workloads(&arguments.models, steps.is_some())?;
     let plans: Vec<Plan> = match steps {
         Some(steps) => vec![Plan {
             kinds: &StrokeKind::ALL,
             planes: Planes::Crossing,
-            motions: &[false, true],
+            motions: &[STILL, TURNING],
             steps: steps.div_ceil(bodies.len().max(1)),
             is_long: true,
         }],
         None => {
-            let motions: [&[bool]; 2] = [&[false], &[true]];
+            let motions: [&[&str]; 2] = [&[STILL], &[TURNING]];
             let each = StrokeKind::ALL.iter().flat_map(|kind| {
                 motions.map(|motions| Plan {
                     kinds: std::slice::from_ref(kind),
@@ -138,25 +143,19 @@ pub(super) fn run(
         }
     };
     let (mut steps, mut failures) = (0, 0);
-    let progress = output.progress(bodies.len() * plans.len(), 1);
+    output.start(bodies.len() * plans.len(), 1);
     for body in &bodies {
         let surface = body.surface()?;
         for plan in &plans {
-            progress.begin(&body.name);
-            let seed = output.parameters.seed;
-            let measured = Measured::new(&body.name, &surface, plan, params, seed)?;
-            let row = measured.into_row(body, &surface, plan);
+            output.progress.begin(&body.name);
+            let row = Measured::row(body, &surface, plan, &params, seed)?;
             steps += row.steps;
-            failures += row
-                .failures
-                .iter()
-                .map(|failure| failure.count)
-                .sum::<usize>();
-            output.cpu_row(&body.name, &row)?;
-            progress.step();
+            let counts = row.failures.iter().map(|failure| failure.count);
+            failures += counts.sum::<usize>();
+            output.row(&body.name, &row)?;
+            output.progress.step();
         }
     }
-    progress.end();
     output.table()?;
     let line = format_args!("Failed: {failures} of {} steps.", steps + failures);
     Ok(output.print(line)?)
@@ -165,30 +164,27 @@ pub(super) fn run(
 /// Measurements of the strokes through one body, or through copies of it.
 #[derive(Debug, Default)]
 struct Measured {
+    /// Counts and failures; statistics follow at the end.
+    row: Row,
     steps: Vec<Step>,
     /// Times of calls with the blade inside and unmoved \[us\].
     standing: Vec<f64>,
-    failures: Vec<Failure>,
-    bodies: usize,
-    strokes: usize,
-    missed: usize,
-    triangles_at_end: usize,
 }
 
 impl Measured {
-    /// Cuts the body until the plan's number of steps is reached.
+    /// Cuts the body until the plan's number of steps is reached, and returns the row.
     ///
     /// A body that is not valid after a stroke counts as a failure and is replaced.
     ///
     /// # Errors
     /// An error of the solver, or a message if strokes no longer meet the body.
-    fn new(
-        name: &str,
+    fn row(
+        workload: &Workload,
         surface: &Surface,
         plan: &Plan,
         params: &CutParams,
         seed: u64,
-    ) -> Result<Self, Box<dyn Error>> {
+    ) -> Result<Row, Box<dyn Error>> {
         let mut all = Self::default();
         let mut path = Strokes::new(plan.planes, seed);
         let triangles = surface.topology().triangle_count();
@@ -198,27 +194,40 @@ impl Measured {
             let own = match &mut body {
                 Some(own) => own,
                 None => {
-                    all.bodies += 1;
+                    all.row.bodies += 1;
                     body.insert(IncisedBody::new(surface.clone())?)
                 }
             };
             let before = all.steps.len();
             let is_valid = all.stroke(own, plan, &mut path, params)?;
-            idle = if all.steps.len() > before {
-                0
-            } else {
-                idle + 1
+            idle = match all.steps.len() > before {
+                true => 0,
+                false => idle + 1,
             };
             if idle > MAX_IDLE_STROKES {
-                return Err(format!("{}: no stroke cuts the body any more", name).into());
+                let name = &workload.name;
+                return Err(format!("{name}: no stroke cuts the body any more").into());
             }
-            all.triangles_at_end = own.surface.topology().triangle_count();
+            all.row.triangles_at_end = own.surface.topology().triangle_count();
             let limit = MAX_GROWTH * triangles + MIN_GROWTH;
-            if !is_valid || plan.is_long && all.triangles_at_end > limit {
+            if !is_valid || plan.is_long && all.row.triangles_at_end > limit {
                 body = None;
             }
         }
-        Ok(all)
+        Ok(Row {
+            kind: "progressive",
+            source: workload.source.clone(),
+            strokes: plan
+                .kinds
+                .iter()
+                .map(|kind| kind.name())
+                .collect::<Vec<_>>()
+                .join(", "),
+            planes: plan.planes,
+            motion: plan.motions.join(", "),
+            triangles,
+            ..all.into_row()
+        })
     }
 
     /// Moves the blade along the next stroke and lifts it; returns whether the body is valid.
@@ -229,22 +238,22 @@ impl Measured {
         path: &mut Strokes,
         params: &CutParams,
     ) -> Result<bool, Box<dyn Error>> {
-        let kind = plan.kinds[self.strokes % plan.kinds.len()];
-        let is_turning = plan.motions[self.bodies % plan.motions.len()];
+        let kind = plan.kinds[self.row.stroke_count % plan.kinds.len()];
+        let is_turning = plan.motions[self.row.bodies % plan.motions.len()] == TURNING;
         let stroke = path.next(kind, &body.surface, body.angle);
-        self.strokes += 1;
-        let number = self.strokes;
+        self.row.stroke_count += 1;
+        let number = self.row.stroke_count;
         for (i, pose) in stroke.poses(body.step_length).enumerate() {
             match body.advance(&pose, params)? {
                 Ok(Some(step)) => self.steps.push(step),
-                Ok(None) => self.missed += 1,
+                Ok(None) => self.row.missed += 1,
                 Err(error) => {
                     // The name of the variant, without its fields.
                     let kind = format!("{error:?}");
                     let end = kind.find(|c: char| !c.is_alphanumeric());
                     let kind = &kind[..end.unwrap_or(kind.len())];
                     let first = || format!("stroke {number}, step {i}: {error}");
-                    Failure::add(&mut self.failures, kind, first);
+                    Failure::add(&mut self.row.failures, kind, first);
                 }
             }
             if is_turning {
@@ -257,7 +266,7 @@ impl Measured {
         let valid = body.validate();
         if let Err(error) = &valid {
             let first = || format!("stroke {number}: {error}");
-            Failure::add(&mut self.failures, "InvalidSurface", first);
+            Failure::add(&mut self.row.failures, "InvalidSurface", first);
         } else {
             self.standing.extend(body.standing_time(params)?);
         }
@@ -265,45 +274,33 @@ impl Measured {
         Ok(valid.is_ok())
     }
 
-    fn into_row(self, body: &Workload, surface: &Surface, plan: &Plan) -> Row {
-        let times: Vec<Times> = self.steps.iter().map(|step| step.times).collect();
+    /// Returns the row with the statistics of all steps.
+    fn into_row(self) -> Row {
+        let times: Vec<StageTimes> = self.steps.iter().map(|step| step.times).collect();
         let walls = self.steps.iter().map(|step| step.wall_triangles as f64);
         let walls: Vec<f64> = walls.collect();
         let decile = times.len() / 10;
         let ends = [0..decile, times.len() - decile..times.len()];
         let [first_ms, last_ms] = ends.clone().map(|part| {
-            let totals: Vec<f64> = times[part].iter().map(Times::total).collect();
+            let totals: Vec<f64> = times[part].iter().map(StageTimes::total).collect();
             mean(&totals)
         });
         let [first_walls, last_walls] = ends.map(|part| mean(&walls[part]));
-        let kinds: Vec<&str> = plan.kinds.iter().map(|kind| kind.name()).collect();
-        let motion = |turns: &bool| if *turns { "turning" } else { "still" };
-        let motions: Vec<&str> = plan.motions.iter().map(motion).collect();
         Row {
-            kind: "progressive",
-            source: body.source.clone(),
-            strokes: kinds.join(", "),
-            planes: plan.planes.name(),
-            motion: motions.join(", "),
-            triangles: surface.topology().triangle_count(),
-            triangles_at_end: self.triangles_at_end,
-            bodies: self.bodies,
-            stroke_count: self.strokes,
             steps: times.len(),
-            missed: self.missed,
             wall_triangles: self.steps.iter().map(|step| step.wall_triangles).sum(),
             wall_triangles_median: median(walls),
-            ms_median: Times::percentile(&times, 50),
-            ms_p90: Times::percentile(&times, 90),
-            ms_p99: Times::percentile(&times, 99),
-            ms_max: Times::percentile(&times, 100),
+            ms_median: StageTimes::percentile(&times, 50),
+            ms_p90: StageTimes::percentile(&times, 90),
+            ms_p99: StageTimes::percentile(&times, 99),
+            ms_max: StageTimes::percentile(&times, 100),
             first_ms,
             last_ms,
             growth: last_ms / first_ms,
             first_wall_triangles: first_walls,
             last_wall_triangles: last_walls,
             us_standing: median(self.standing),
-            failures: self.failures,
+            ..self.row
         }
     }
 }

@@ -1,16 +1,13 @@
 //! Claims about scenes and solvers.
 
-use super::{Claim, DT, Effort, Frame};
-use crate::motion;
+use super::{Claim, Effort, Frame};
+use crate::motion::{self, Body, DT};
 use incise_cut::Sweep;
-use incise_mesh::Surface;
 use incise_models::{Model, build_model};
 use incise_pbd_gpu::{
     Collider, InteriorSprings, Material, Scheme, Solver, SolverParams, Stiffness, Volume,
 };
-use incise_scene::{
-    BackendChoice, BackendRequest, BodyId, ContactParams, Scene, SceneParams, SleepParams,
-};
+use incise_scene::{BackendChoice, BackendRequest, ContactParams, Scene, SceneParams, SleepParams};
 use std::error::Error;
 
 /// Bodies of the crowd.
@@ -31,22 +28,26 @@ const PARAMS: SolverParams = SolverParams {
     ..SolverParams::paper()
 };
 
+/// A blade far from all bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum FarBlade {
+    AtRest,
+    Moving,
+}
+
 /// A weightless scene of one body without checkpoints.
 #[derive(Debug, Clone, Copy)]
 struct Setup {
     material: Material,
-    solver: SolverParams,
+    /// With parameters of sleep, the body is put to sleep.
+    params: SceneParams,
     /// Whether the body spins and is squeezed.
     is_moving: bool,
-    /// The parameters of sleep, for a body that is put to sleep.
-    sleep: Option<SleepParams>,
-    contacts: Option<ContactParams>,
     /// Whether the scene has a distant collider.
     has_collider: bool,
     /// Whether the body is cut in two first.
     is_cut: bool,
-    /// Whether a distant blade moves; none without a blade.
-    far_blade: Option<bool>,
+    blade: Option<FarBlade>,
 }
 
 impl Setup {
@@ -54,13 +55,11 @@ impl Setup {
     fn at_rest() -> Self {
         Self {
             material: Material::default(),
-            solver: PARAMS,
+            params: scene_params(PARAMS),
             is_moving: false,
-            sleep: None,
-            contacts: None,
             has_collider: false,
             is_cut: false,
-            far_blade: None,
+            blade: None,
         }
     }
 
@@ -73,9 +72,27 @@ impl Setup {
         }
     }
 
-    fn scene(self, model: Model, on: &BackendRequest) -> Result<(Scene, BodyId), Box<dyn Error>> {
-        let mut scene = Scene::with_backend(scene_params(self.solver, self.sleep), on)?;
-        scene.params.contacts = self.contacts;
+    /// Returns the same with contacts.
+    fn touching(mut self, self_collision: bool) -> Self {
+        self.params.contacts = Some(ContactParams {
+            self_collision,
+            ..ContactParams::default()
+        });
+        self
+    }
+
+    /// Returns the same with interior springs.
+    fn with_springs(mut self, density: f32) -> Self {
+        self.material.interior_springs = Some(InteriorSprings {
+            density,
+            ..InteriorSprings::default()
+        });
+        self
+    }
+
+    /// Returns the frame of the scene; on a GPU it ends when the GPU is done.
+    fn frame(self, model: Model, on: &BackendRequest) -> Result<Frame, Box<dyn Error>> {
+        let mut scene = Scene::with_backend(self.params, on)?;
         let body = scene.add_body(build_model(model), &self.material)?;
         if self.has_collider {
             scene.colliders.push(Collider::Sphere {
@@ -98,30 +115,15 @@ impl Setup {
             let (solver, surface) = scene.edit(body)?.solver_mut();
             motion::start(solver, surface)?;
         }
-        if self.sleep.is_some() {
+        if self.params.sleep.is_some() {
             put_to_sleep(&mut scene, 1)?;
         }
-        Ok((scene, body))
-    }
-
-    /// Returns the frame of the scene; on a GPU it ends when the GPU is done.
-    fn frame(self, model: Model, on: &BackendRequest) -> Result<Frame, Box<dyn Error>> {
-        let (mut scene, _) = self.scene(model, on)?;
-        let blade = self.far_blade.map(|moves| (scene.add_blade(FAR[0]), moves));
-        let mut frames = 0_usize;
-        Ok(Box::new(move || {
-            frames += 1;
-            if let Some((blade, true)) = blade {
-                scene.move_blade(blade, FAR[frames % 2])?;
-            }
-            scene.step()?;
-            Ok(scene.wait_for_gpu()?)
-        }))
+        Ok(scene_frame(scene, self.blade))
     }
 }
 
-/// Returns the parameters of a weightless scene without checkpoints.
-fn scene_params(solver: SolverParams, sleep: Option<SleepParams>) -> SceneParams {
+/// Returns the parameters of a weightless scene without checkpoints and sleep.
+fn scene_params(solver: SolverParams) -> SceneParams {
     SceneParams {
         dt: DT,
         solver: SolverParams {
@@ -129,7 +131,7 @@ fn scene_params(solver: SolverParams, sleep: Option<SleepParams>) -> SceneParams
             ..solver
         },
         checkpoint: 0,
-        sleep,
+        sleep: None,
         ..SceneParams::default()
     }
 }
@@ -146,53 +148,119 @@ fn put_to_sleep(scene: &mut Scene, bodies: u32) -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// A claim about two scenes: feature, text, bound, scene with the feature and without.
-type OfScenes = (&'static str, &'static str, f64, [Setup; 2]);
+/// Returns the frame of a scene with a far blade or without.
+fn scene_frame(mut scene: Scene, far_blade: Option<FarBlade>) -> Frame {
+    let blade = far_blade.map(|_| scene.add_blade(FAR[0]));
+    let moving = blade.filter(|_| far_blade == Some(FarBlade::Moving));
+    let mut frames = 0_usize;
+    Box::new(move || {
+        frames += 1;
+        if let Some(blade) = moving {
+            scene.move_blade(blade, FAR[frames % 2])?;
+        }
+        scene.step()?;
+        Ok(scene.wait_for_gpu()?)
+    })
+}
+
+/// Returns the frame of a solver.
+fn solver_frame(mut body: Body, params: SolverParams) -> Frame {
+    Box::new(move || {
+        body.solver.step(&mut body.surface, DT, &params)?;
+        Ok(())
+    })
+}
+
+/// Returns a body with the motion of the table.
+fn moving_body(model: Model, material: &Material) -> Result<Body, Box<dyn Error>> {
+    let surface = build_model(model);
+    Ok(Body::moving(surface, |surface| {
+        Solver::new(surface, material)
+    })?)
+}
+
+/// Returns all claims on a backend; on a GPU those about sleep and volume.
+pub(super) fn claims(effort: Effort, on: &BackendRequest) -> Vec<Claim> {
+    if on.choice == BackendChoice::Gpu {
+        let volumes = effort.models.iter().map(|&model| volume(model, on));
+        return [sleep(Model::Bunny, on)]
+            .into_iter()
+            .chain(volumes)
+            .collect();
+    }
+    let sleepers = effort.sleepers.iter().map(|&model| sleep(model, on));
+    let mut claims: Vec<Claim> = sleepers.collect();
+    claims.extend([
+        crowd("no blade", None),
+        crowd("a blade moves beside them", Some(FarBlade::Moving)),
+    ]);
+    for &model in effort.models {
+        claims.extend(of_solvers(model));
+        claims.extend(of_scenes(model, on));
+    }
+    claims
+}
 
 /// Returns the claim that sleep costs nothing.
-fn sleep() -> OfScenes {
+fn sleep(model: Model, on: &BackendRequest) -> Claim {
     let awake = Setup {
-        solver: SolverParams::default(),
+        params: scene_params(SolverParams::default()),
         ..Setup::at_rest()
     };
-    let asleep = Setup {
-        sleep: Some(SleepParams::default()),
-        ..awake
-    };
+    let mut asleep = awake;
+    asleep.params.sleep = Some(SleepParams::default());
     let text = "time of a frame, relative to the same body awake";
-    ("sleep", text, 0.01, [asleep, awake])
+    Claim::new("sleep", text, model, 0.01, frames(asleep, awake, model, on))
+}
+
+/// Returns the claim that sleeping bodies cost nothing beside each other.
+fn crowd(on: &'static str, blade: Option<FarBlade>) -> Claim {
+    Claim {
+        feature: "sleep",
+        text: "time of a frame of 1,000 sleeping bodies [us]",
+        on,
+        bound: 50.0,
+        is_time: true,
+        frames: Box::new(move || {
+            let mut scene = Scene::new(SceneParams {
+                sleep: Some(SleepParams::default()),
+                ..scene_params(SolverParams::default())
+            });
+            for _ in 0..CROWD {
+                scene.add_body(build_model(Model::Sphere20), &Material::default())?;
+            }
+            put_to_sleep(&mut scene, CROWD)?;
+            Ok([scene_frame(scene, blade), Box::new(|| Ok(()))])
+        }),
+    }
 }
 
 /// Returns the claim about volume on a GPU.
-fn volume() -> OfScenes {
+fn volume(model: Model, on: &BackendRequest) -> Claim {
     let without = Setup {
-        solver: SolverParams::default(),
+        params: scene_params(SolverParams::default()),
         ..Setup::at_rest()
     };
     let mut with = without;
     with.material.volume = Some(Volume::default());
     let text = "time of a frame with volume, relative to none";
-    ("volume", text, 2.0, [with, without])
+    Claim::new("volume", text, model, 2.0, frames(with, without, model, on))
 }
 
-/// Returns the claims about scenes of every model.
-fn of_scenes() -> [OfScenes; 8] {
+/// Sets up the frames of two scenes.
+fn frames(
+    with: Setup,
+    without: Setup,
+    model: Model,
+    on: &BackendRequest,
+) -> impl FnOnce() -> Result<[Frame; 2], Box<dyn Error>> + 'static {
+    let on = on.clone();
+    move || Ok([with.frame(model, &on)?, without.frame(model, &on)?])
+}
+
+/// Returns the claims about scenes of a model.
+fn of_scenes(model: Model, on: &BackendRequest) -> [Claim; 8] {
     let (rest, none) = (Setup::at_rest(), Setup::moving());
-    let springs = |density| {
-        let mut with = none;
-        with.material.interior_springs = Some(InteriorSprings {
-            density,
-            ..InteriorSprings::default()
-        });
-        [with, none]
-    };
-    let touching = |self_collision, of: Setup| {
-        let contacts = Some(ContactParams {
-            self_collision,
-            ..ContactParams::default()
-        });
-        [Setup { contacts, ..of }, of]
-    };
     let cut = Setup {
         is_cut: true,
         ..none
@@ -201,118 +269,79 @@ fn of_scenes() -> [OfScenes; 8] {
         has_collider: true,
         ..none
     };
-    let blade = |moves| {
-        let far_blade = Some(moves);
-        [Setup { far_blade, ..rest }, rest]
+    let beside = |blade| Setup {
+        blade: Some(blade),
+        ..rest
     };
     let mut early = rest;
-    early.solver.residual = Some(RESIDUAL);
+    early.params.solver.residual = Some(RESIDUAL);
+    let claim = |feature, text, bound, with, without| {
+        Claim::new(
+            feature,
+            text,
+            model,
+            bound,
+            frames(with, without, model, on),
+        )
+    };
     [
-        (
+        claim(
             "absent",
             "time of a frame with interior springs of density 0, relative to none",
             1.02,
-            springs(0.0),
+            none.with_springs(0.0),
+            none,
         ),
-        (
+        claim(
             "absent",
             "time of a frame of one piece with contacts and a far collider, relative to none",
             1.05,
-            [touching(false, far)[0], none],
+            far.touching(false),
+            none,
         ),
-        (
+        claim(
             "interior-springs",
             "time of a frame with an interior spring per vertex, relative to none",
             1.5,
-            springs(InteriorSprings::default().density),
+            none.with_springs(InteriorSprings::default().density),
+            none,
         ),
-        (
+        claim(
             "contacts",
             "time of a frame with the contacts of two halves, relative to none",
             2.0,
-            touching(false, cut),
+            cut.touching(false),
+            cut,
         ),
-        (
+        claim(
             "contacts",
             "the same with self-collision",
             4.0,
-            touching(true, cut),
+            cut.touching(true),
+            cut,
         ),
-        (
+        claim(
             "blade-at-rest",
             "time of a frame, relative to one without the resting blade",
             1.02,
-            blade(false),
+            beside(FarBlade::AtRest),
+            rest,
         ),
-        (
+        claim(
             "far-blade",
             "time of a frame, relative to one without the far blade",
             1.02,
-            blade(true),
+            beside(FarBlade::Moving),
+            rest,
         ),
-        (
+        claim(
             "early-out",
             "time of a frame at rest with a residual of 1e-5 m, relative to none",
             0.5,
-            [early, rest],
+            early,
+            rest,
         ),
     ]
-}
-
-/// Returns all claims on a backend; on a GPU those about sleep and volume.
-pub(super) fn claims(effort: Effort, on: &BackendRequest) -> Vec<Claim> {
-    let of = |(feature, text, bound, [with, without]): OfScenes, model| {
-        let on = on.clone();
-        Claim::new(feature, text, model, bound, move || {
-            Ok([with.frame(model, &on)?, without.frame(model, &on)?])
-        })
-    };
-    if on.choice == BackendChoice::Gpu {
-        let mut claims = vec![of(sleep(), Model::Bunny)];
-        claims.extend(effort.models.iter().map(|&model| of(volume(), model)));
-        return claims;
-    }
-    let mut claims: Vec<Claim> = (effort.sleepers.iter())
-        .map(|&model| of(sleep(), model))
-        .collect();
-    claims.extend([false, true].map(crowd));
-    for &model in effort.models {
-        claims.extend(of_solvers(model));
-        claims.extend(of_scenes().map(|claim| of(claim, model)));
-    }
-    claims
-}
-
-fn crowd(with_blade: bool) -> Claim {
-    let on = match with_blade {
-        true => "a blade moves beside them",
-        false => "no blade",
-    };
-    Claim {
-        feature: "sleep",
-        text: "time of a frame of 1,000 sleeping bodies [us]",
-        on: on.to_owned(),
-        bound: 50.0,
-        is_time: true,
-        frames: Box::new(move || {
-            let sleep = Some(SleepParams::default());
-            let mut scene = Scene::new(scene_params(SolverParams::default(), sleep));
-            for _ in 0..CROWD {
-                scene.add_body(build_model(Model::Sphere20), &Material::default())?;
-            }
-            put_to_sleep(&mut scene, CROWD)?;
-            let blade = with_blade.then(|| scene.add_blade(FAR[0]));
-            let mut frames = 0_usize;
-            let frame = move || {
-                frames += 1;
-                if let Some(blade) = blade {
-                    scene.move_blade(blade, FAR[frames % 2])?;
-                }
-                Ok(scene.step().map(|_| ())?)
-            };
-            Ok([Box::new(frame) as Frame, Box::new(|| Ok(()))])
-        }),
-    }
 }
 
 /// Returns the claims about solvers of a model.
@@ -320,6 +349,12 @@ fn of_solvers(model: Model) -> [Claim; 4] {
     let bare = Material {
         bending: None,
         ..Material::default()
+    };
+    // Too soft for the global step.
+    let soft = Material {
+        stretch: Stiffness::Compliance(1.0),
+        bending: Some(Stiffness::Compliance(100.0)),
+        ..motion::material()
     };
     let with_volume = Material {
         volume: Some(Volume::default()),
@@ -333,27 +368,22 @@ fn of_solvers(model: Model) -> [Claim; 4] {
             ..Setup::at_rest()
         };
         let scene = scene.frame(model, &BackendRequest::default())?;
-        Ok([scene, solver_frame((surface, solver), PARAMS)])
+        Ok([scene, solver_frame(Body { surface, solver }, PARAMS)])
     };
     let scheme_choice = move || {
         let frame = |scheme| -> Result<Frame, Box<dyn Error>> {
             let params = SolverParams { scheme, ..PARAMS };
-            Ok(solver_frame(body(model, &soft())?, params))
+            Ok(solver_frame(moving_body(model, &soft)?, params))
         };
         Ok([frame(Scheme::Auto)?, frame(Scheme::Sweeps)?])
     };
-    let turned_off = move || {
-        let (surface, mut solver) = body(model, &with_volume)?;
-        solver.set_volume(&surface, None)?;
-        let both = [(surface, solver), body(model, &motion::material())?];
-        Ok(both.map(|body| solver_frame(body, PARAMS)))
-    };
-    let turned_on = move || {
-        let both = [
-            body(model, &with_volume)?,
-            body(model, &motion::material())?,
-        ];
-        Ok(both.map(|body| solver_frame(body, PARAMS)))
+    let beside_none = move |is_on: bool| {
+        let mut with = moving_body(model, &with_volume)?;
+        if !is_on {
+            with.solver.set_volume(&with.surface, None)?;
+        }
+        let without = moving_body(model, &motion::material())?;
+        Ok([with, without].map(|body| solver_frame(body, PARAMS)))
     };
     let text = [
         "time of a scene's frame, relative to the solver alone",
@@ -364,55 +394,7 @@ fn of_solvers(model: Model) -> [Claim; 4] {
     [
         Claim::new("absent", text[0], model, 1.02, overhead),
         Claim::new("absent", text[1], model, 1.02, scheme_choice),
-        Claim::new("absent", text[2], model, 1.02, turned_off),
-        Claim::new("volume", text[3], model, 2.0, turned_on),
+        Claim::new("absent", text[2], model, 1.02, move || beside_none(false)),
+        Claim::new("volume", text[3], model, 2.0, move || beside_none(true)),
     ]
-}
-
-/// Returns the frame of a solver.
-fn solver_frame((mut surface, mut solver): (Surface, Solver), params: SolverParams) -> Frame {
-    Box::new(move || Ok(solver.step(&mut surface, DT, &params).map(|_| ())?))
-}
-
-/// Returns the material of a body that is too soft for the global step.
-fn soft() -> Material {
-    Material {
-        stretch: Stiffness::Compliance(1.0),
-        bending: Some(Stiffness::Compliance(100.0)),
-        ..motion::material()
-    }
-}
-
-/// Returns a body with the motion of the table.
-fn body(model: Model, material: &Material) -> Result<(Surface, Solver), Box<dyn Error>> {
-    let mut surface = build_model(model);
-    let mut solver = Solver::new(&mut surface, material)?;
-    motion::start(&mut solver, &surface)?;
-    Ok((surface, solver))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn scenes_have_the_measured_features_only() {
-        let [absent, whole, springs, halves, own, ..] = of_scenes().map(|claim| claim.3);
-        let stats = |of: Setup| {
-            let request = BackendRequest::default();
-            let (mut scene, body) = of.scene(Model::Sphere80, &request).unwrap();
-            let stats = *scene.step().unwrap();
-            let solver = scene.body(body).unwrap().solver();
-            let projections = solver.stats().interior_spring_projections;
-            (projections, stats.contact_searches, stats.contacts)
-        };
-        assert_eq!(stats(absent[0]), (0, 0, 0));
-        assert_eq!(stats(whole[0]), (0, 0, 0));
-        assert!(stats(springs[0]).0 > 0);
-        for [with, without] in [halves, own] {
-            let (_, searches, contacts) = stats(with);
-            assert!(searches == 1 && contacts > 0);
-            assert_eq!(stats(without), (0, 0, 0));
-        }
-    }
 }

@@ -13,22 +13,17 @@
 //! stay on the GPU. The time of a cut includes readback and upload. Errors are sampled before each
 //! slice, where the body is read back anyway.
 
-use super::Parameters;
-use super::paper::PaperRow;
-use crate::measure::{Times, allocations};
-use crate::method::Method;
+use super::{PaperRow, Parameters};
+use crate::measure::{Times, allocations, mean};
 use crate::models::Loaded;
 use crate::motion;
-use crate::statistics::mean;
+use crate::options::Method;
 use incise_cut::{CutOutcome, Sweep};
 use incise_mesh::geometry::{area_vector, to_f32};
 use incise_mesh::{AngleStats, Surface, Vec3};
 use incise_models::scenes::Directions;
-use incise_paper::{PaperError, PaperParams};
 use incise_pbd_gpu::{InteriorSprings, Material, Volume};
-use incise_scene::{
-    BackendRequest, BladeId, BladeMode, Body, BodyId, FrameStats, Scene, SceneError,
-};
+use incise_scene::{BackendRequest, BladeId, BladeMode, BodyId, FrameStats, Scene, SceneError};
 use serde::Serialize;
 use std::error::Error;
 use std::time::{Duration, Instant};
@@ -73,12 +68,17 @@ pub(super) struct Row {
     pbd_cs_fps_by_second: Vec<Option<f64>>,
 }
 
-/// Measurements of a run.
-#[derive(Default)]
-struct Run {
+/// A run of the protocol with its measurements.
+struct Run<'a> {
+    parameters: &'a Parameters,
+    scene: Scene,
+    body: BodyId,
+    /// Rest volume before all cuts \[m^3\].
+    volume: f64,
+    /// The GPU that has the body.
+    gpu: Option<String>,
     /// Work of every frame \[s\]; NaN for one that is not timed.
     work: Times,
-    device: Option<String>,
     schedule: Option<&'static str>,
     bytes_uploaded: Vec<f64>,
     bytes_read: Vec<f64>,
@@ -90,35 +90,14 @@ struct Run {
     volume_error: f64,
     cap_min_angle: f64,
     allocations: usize,
-    triangles_after: usize,
 }
 
-/// Returns frames per second of the timed frames; none if no frame is timed.
-fn rate(work: &[f64]) -> Option<f64> {
-    let timed = work.iter().filter(|seconds| seconds.is_finite());
-    let sum: f64 = timed.clone().sum();
-    (sum > 0.0).then(|| timed.count() as f64 / sum)
-}
-
-impl Run {
-    fn fps(&self) -> f64 {
-        rate(&self.work.0).unwrap_or(f64::NAN)
-    }
-
-    /// Returns the frame rates of every simulated second of some frames.
-    fn fps_by_second(&self, frames: u32) -> Vec<Option<f64>> {
-        self.work.0.chunks(frames as usize).map(rate).collect()
-    }
-
-    fn sample(&mut self, body: &Body) {
-        self.stretch_error += body.solver().stretch_error(body.surface());
-        self.samples += 1;
-    }
-
-    /// Returns the mean of all samples.
-    fn mean_stretch_error(&self) -> f64 {
-        self.stretch_error / f64::from(self.samples)
-    }
+/// A slice of the largest piece.
+struct Slice {
+    sweep: Sweep,
+    piece: u32,
+    /// Rest volume of the body before the slice, relative to that before all.
+    volume: f64,
 }
 
 /// Runs both halves of the protocol; calls `tick` after every frame. Returns the GPU, if any, and
@@ -129,9 +108,11 @@ pub(super) fn run(
     request: &BackendRequest,
     tick: &dyn Fn(),
 ) -> Result<(Option<String>, Row), Box<dyn Error>> {
-    let pbd = run_scene(loaded, parameters, request, false, tick)?;
-    let cs = run_scene(loaded, parameters, request, true, tick)?;
-    let a_second = nearest(1.0 / parameters.dt).max(1);
+    let diagonal = loaded.surface.bounds().diagonal();
+    let mut pbd = Run::new(loaded, parameters, request)?;
+    pbd.frames(None, tick)?;
+    let mut cs = Run::new(loaded, parameters, request)?;
+    cs.frames(Some(diagonal), tick)?;
     let paper = PaperRow::of(loaded.model);
     let ours = PaperRow {
         pbd_fps: pbd.fps(),
@@ -139,13 +120,13 @@ pub(super) fn run(
         fps_difference_percent: (1.0 - cs.fps() / pbd.fps()) * 100.0,
         cut_ms: mean(&cs.cuts.0) * 1e3,
     };
-    let is_on_gpu = pbd.device.is_some();
+    let is_on_gpu = pbd.gpu.is_some();
     let row = Row {
         source: loaded.source.clone(),
         vertices: loaded.vertices,
         particles: loaded.surface.topology().vertex_count(),
         triangles: loaded.surface.topology().triangle_count(),
-        triangles_after: cs.triangles_after,
+        triangles_after: cs.surface()?.topology().triangle_count(),
         schedule: pbd.schedule,
         bytes_uploaded_a_cut: is_on_gpu.then(|| mean(&cs.bytes_uploaded)),
         bytes_read_a_cut: is_on_gpu.then(|| mean(&cs.bytes_read)),
@@ -162,134 +143,239 @@ pub(super) fn run(
         volume_error_percent: cs.volume_error * 100.0,
         cap_min_angle_deg: cs.cap_min_angle,
         allocations: pbd.allocations + cs.allocations,
-        pbd_fps_by_second: pbd.fps_by_second(a_second),
-        pbd_cs_fps_by_second: cs.fps_by_second(a_second),
+        pbd_fps_by_second: pbd.fps_by_second(),
+        pbd_cs_fps_by_second: cs.fps_by_second(),
         cuts_refused: cs.refused,
     };
-    Ok((pbd.device, row))
+    Ok((pbd.gpu, row))
 }
 
-fn run_scene(
-    loaded: &Loaded,
-    parameters: &Parameters,
-    request: &BackendRequest,
-    cutting: bool,
-    tick: &dyn Fn(),
-) -> Result<Run, Box<dyn Error>> {
-    let (mut scene, body) = set_up(loaded, parameters, request)?;
-    let report = scene.backend_report();
-    let on_device = report.gpu_bodies.contains(&body);
-    scene.params.skip_far_sweeps = on_device;
-    let diagonal = loaded.surface.bounds().diagonal();
-    let blade = cutting.then(|| scene.add_blade(hover(diagonal, 0)));
-    if let Some(blade) = blade {
-        // The paper's blade cuts full slices.
-        scene.set_blade_mode(blade, BladeMode::FullSlices)?;
+/// Returns frames per second of the timed frames; none if no frame is timed.
+fn rate(work: &[f64]) -> Option<f64> {
+    let timed = work.iter().filter(|seconds| seconds.is_finite());
+    let sum: f64 = timed.clone().sum();
+    (sum > 0.0).then(|| timed.count() as f64 / sum)
+}
+
+impl<'a> Run<'a> {
+    /// Sets up the scene.
+    fn new(
+        loaded: &Loaded,
+        parameters: &'a Parameters,
+        request: &BackendRequest,
+    ) -> Result<Self, Box<dyn Error>> {
+        let mut scene = Scene::with_backend(parameters.scene(), request)?;
+        let material = Material {
+            volume: parameters.volume.then(Volume::default),
+            interior_springs: parameters.interior_springs.then(InteriorSprings::default),
+            ..motion::material()
+        };
+        let body = scene.add_body(loaded.surface.clone(), &material)?;
+        let (solver, surface) = scene.edit(body)?.solver_mut();
+        motion::start(solver, surface)?;
+        let volume = rest_volume(surface);
+        let report = scene.backend_report();
+        let is_on_gpu = report.gpu_bodies.contains(&body);
+        scene.params.skip_far_sweeps = is_on_gpu;
+        Ok(Self {
+            parameters,
+            scene,
+            body,
+            volume,
+            gpu: report.adapter.filter(|_| is_on_gpu),
+            // Recording allocates nothing.
+            work: Times(Vec::with_capacity(parameters.frames() as usize)),
+            schedule: None,
+            bytes_uploaded: Vec::new(),
+            bytes_read: Vec::new(),
+            cuts: Times::default(),
+            refused: Vec::new(),
+            stretch_error: 0.0,
+            samples: 0,
+            volume_error: 0.0,
+            cap_min_angle: f64::INFINITY,
+            allocations: 0,
+        })
     }
-    let volume = rest_volume(scene.body(body)?.surface());
-    let a_second = nearest(1.0 / parameters.dt).max(1);
-    let mut directions = Directions(parameters.seed);
-    let mut run = Run {
-        device: report.adapter.filter(|_| on_device),
-        cap_min_angle: f64::INFINITY,
-        // Recording allocates nothing.
-        work: Times(Vec::with_capacity(parameters.frames() as usize)),
-        ..Run::default()
-    };
-    // A failed slice is repeated in the next frame with the next direction.
-    let mut due = false;
-    for frame in 1..=parameters.frames() {
-        due |= cutting && frame % a_second == 0;
-        let slices = due;
-        let before = allocations();
-        let mut readback = Duration::ZERO;
-        if on_device && (slices || frame % a_second == 0) {
-            // The sweep follows from the body's positions.
-            let begin = Instant::now();
-            scene.read_back(body)?;
-            readback = begin.elapsed();
-            run.sample(scene.body(body)?);
+
+    fn surface(&self) -> Result<&Surface, SceneError> {
+        Ok(self.scene.body(self.body)?.surface())
+    }
+
+    fn fps(&self) -> f64 {
+        rate(&self.work.0).unwrap_or(f64::NAN)
+    }
+
+    /// Returns the frame rates of every simulated second.
+    fn fps_by_second(&self) -> Vec<Option<f64>> {
+        let frames = self.parameters.frames_a_second() as usize;
+        self.work.0.chunks(frames).map(rate).collect()
+    }
+
+    fn sample(&mut self) -> Result<(), SceneError> {
+        let body = self.scene.body(self.body)?;
+        self.stretch_error += body.solver().stretch_error(body.surface());
+        self.samples += 1;
+        Ok(())
+    }
+
+    /// Returns the mean of all samples.
+    fn mean_stretch_error(&self) -> f64 {
+        self.stretch_error / f64::from(self.samples)
+    }
+
+    /// Steps all frames; with the diagonal of the body's box, a blade moves and slices.
+    fn frames(&mut self, diagonal: Option<f64>, tick: &dyn Fn()) -> Result<(), Box<dyn Error>> {
+        let body = self.body;
+        let is_on_gpu = self.gpu.is_some();
+        let a_second = self.parameters.frames_a_second();
+        let mut directions = Directions(self.parameters.seed);
+        let mut blade = None;
+        if let Some(diagonal) = diagonal {
+            let id = self.scene.add_blade(hover(diagonal, 0));
+            // The paper's blade cuts full slices.
+            self.scene.set_blade_mode(id, BladeMode::FullSlices)?;
+            blade = Some((id, diagonal));
         }
-        let mut by_paper = None;
-        if let Some(blade) = blade {
-            if slices {
-                let (sweep, piece) = aim(&mut scene, body, blade, &mut directions)?;
-                match parameters.caps.method() {
-                    Method::Exact(_) => {
-                        let [_, after] = sweep.ends();
-                        scene.move_blade(blade, after)?;
-                    }
-                    Method::Paper(params) => {
-                        let only_piece = Some(piece);
-                        by_paper = Some((
-                            sweep,
-                            PaperParams {
-                                only_piece,
-                                ..params
-                            },
-                        ));
-                    }
-                }
-            } else {
-                scene.set_blade_piece(blade, None)?;
-                scene.move_blade(blade, hover(diagonal, frame))?;
+        // A failed slice is repeated in the next frame with the next direction.
+        let mut is_due = false;
+        for frame in 1..=self.parameters.frames() {
+            is_due |= blade.is_some() && frame % a_second == 0;
+            let allocations_before = allocations();
+            let mut readback = Duration::ZERO;
+            if is_on_gpu && (is_due || frame % a_second == 0) {
+                // The sweep follows from the body's positions.
+                let begin = Instant::now();
+                self.scene.read_back(body)?;
+                readback = begin.elapsed();
+                self.sample()?;
             }
+            let slice = match blade {
+                Some((blade, _)) if is_due => Some(self.aim(blade, &mut directions)?),
+                Some((blade, diagonal)) => {
+                    self.scene.set_blade_piece(blade, None)?;
+                    self.scene.move_blade(blade, hover(diagonal, frame))?;
+                    None
+                }
+                None => None,
+            };
+            let begin = Instant::now();
+            self.scene.cut()?;
+            let by_paper = match &slice {
+                Some(slice) if self.parameters.caps.method == Method::Paper => {
+                    Some(self.cut_by_paper(slice)?)
+                }
+                _ => None,
+            };
+            let mut work = begin.elapsed();
+            // Caps are judged before they move.
+            if slice.is_some() {
+                work += readback;
+                self.judge_caps(by_paper)?;
+            }
+            let begin = Instant::now();
+            self.scene.advance()?;
+            self.scene.wait_for_gpu()?;
+            work += begin.elapsed();
+            if frame > 1 || !is_on_gpu {
+                self.work.0.push(work.as_secs_f64());
+            } else {
+                self.work.0.push(f64::NAN);
+                self.schedule = schedule(self.scene.stats());
+            }
+            if let (Some(slice), Some((blade, diagonal))) = (&slice, blade) {
+                self.record_slice(slice, readback)?;
+                is_due = self.scene.stats().cuts == 0;
+                self.scene.teleport_blade(blade, hover(diagonal, frame))?;
+            } else if frame > 1 {
+                self.allocations += allocations() - allocations_before;
+            }
+            if !is_on_gpu {
+                self.sample()?;
+            }
+            tick();
         }
-        let volume_before = if slices {
-            rest_volume(scene.body(body)?.surface())
-        } else {
-            0.0
-        };
-        let begin = Instant::now();
-        scene.cut()?;
-        let cut = match by_paper {
-            Some((sweep, params)) => Some(scene.cut_with(body, &sweep, |cutter, surface| {
-                incise_paper::cut(cutter, surface, &sweep, &params).map(|outcome| outcome.cut)
-            })?),
-            None => None,
-        };
-        let mut work = begin.elapsed();
-        // Caps are judged before they move.
-        if slices {
-            work += readback;
-            judge_caps(&scene, body, cut.as_ref(), &mut run)?;
+        if is_on_gpu {
+            self.scene.read_back(body)?;
+            self.sample()?;
         }
-        let begin = Instant::now();
-        scene.advance()?;
-        scene.wait_for_gpu()?;
-        work += begin.elapsed();
-        if frame > 1 || !on_device {
-            run.work.0.push(work.as_secs_f64());
-        } else {
-            run.work.0.push(f64::NAN);
-            run.schedule = schedule(scene.stats());
-        }
-        if let Some(blade) = blade.filter(|_| slices) {
-            after_slice(
-                &scene,
-                body,
-                readback,
-                volume_before / volume,
-                volume,
-                &mut run,
-            )?;
-            due = scene.stats().cuts == 0;
-            scene.teleport_blade(blade, hover(diagonal, frame))?;
-        } else if frame > 1 {
-            run.allocations += allocations() - before;
-        }
-        if !on_device {
-            run.sample(scene.body(body)?);
-        }
-        tick();
+        Ok(())
     }
-    if on_device {
-        scene.read_back(body)?;
-        run.sample(scene.body(body)?);
+
+    /// Puts the blade at the start of a sweep through the middle of the largest piece, and by the
+    /// exact method moves it through.
+    fn aim(
+        &mut self,
+        blade: BladeId,
+        directions: &mut Directions,
+    ) -> Result<Slice, Box<dyn Error>> {
+        let surface = self.surface()?;
+        let volume = rest_volume(surface) / self.volume;
+        let volumes = surface.piece_volumes();
+        let largest = (0u32..)
+            .zip(&volumes)
+            .max_by(|x, y| x.1.abs().total_cmp(&y.1.abs()))
+            .map_or(0, |(piece, _)| piece);
+        let piece = surface.extract_piece(largest);
+        let normal = directions.next_unit();
+        let d = normal.dot(&middle(&piece));
+        let [before, after] = Sweep::from_plane(normal.into(), d, &piece.bounds())?.ends();
+        self.scene.teleport_blade(blade, before)?;
+        self.scene.set_blade_piece(blade, Some(largest))?;
+        if self.parameters.caps.method == Method::Exact {
+            self.scene.move_blade(blade, after)?;
+        }
+        Ok(Slice {
+            sweep: Sweep::new(before, after)?,
+            piece: largest,
+            volume,
+        })
     }
-    let surface = scene.body(body)?.surface();
-    run.triangles_after = surface.topology().triangle_count();
-    Ok(run)
+
+    /// Cuts by the paper's method, in the place of the frame where the blade would.
+    fn cut_by_paper(
+        &mut self,
+        slice: &Slice,
+    ) -> Result<Result<CutOutcome, Box<dyn Error>>, SceneError> {
+        let (caps, sweep) = (&self.parameters.caps, &slice.sweep);
+        (self.scene).cut_with(self.body, sweep, |cutter, surface| {
+            caps.cut(cutter, surface, sweep, Some(slice.piece))
+        })
+    }
+
+    /// Records the angles of caps, and the reason why the paper's method refused a cut.
+    fn judge_caps(
+        &mut self,
+        by_paper: Option<Result<CutOutcome, Box<dyn Error>>>,
+    ) -> Result<(), SceneError> {
+        let surface = self.scene.body(self.body)?.surface();
+        if let Some(Err(error)) = &by_paper {
+            self.refused.push(error.to_string());
+        }
+        let cuts = self.scene.cuts().iter();
+        let outcomes = cuts.filter_map(|sweep| Some(&sweep.cut.as_ref()?.1));
+        for outcome in outcomes.chain(by_paper.iter().flatten()) {
+            let cap = outcome.cap.iter().map(|&t| surface.triangle_positions(t));
+            self.cap_min_angle = self.cap_min_angle.min(AngleStats::from_triangles(cap).min);
+        }
+        Ok(())
+    }
+
+    /// Records the costs of a slice and its loss of volume.
+    fn record_slice(&mut self, slice: &Slice, readback: Duration) -> Result<(), SceneError> {
+        let stats = self.scene.stats();
+        let refusals = self.scene.failed_cuts().iter();
+        self.refused.extend(refusals.map(|r| r.error.to_string()));
+        for _ in 0..stats.cuts {
+            let cost = stats.cutting() + readback;
+            self.cuts.0.push(cost.as_secs_f64());
+            self.bytes_uploaded.push(stats.bytes_uploaded as f64);
+            self.bytes_read.push(stats.bytes_read as f64);
+        }
+        let after = rest_volume(self.surface()?) / self.volume;
+        self.volume_error += (after - slice.volume).abs();
+        Ok(())
+    }
 }
 
 /// Returns the schedule of the body on the GPU.
@@ -300,47 +386,6 @@ fn schedule(stats: &FrameStats) -> Option<&'static str> {
     ];
     let used = counts.into_iter().find(|(bodies, _)| *bodies > 0);
     used.map(|(_, name)| name)
-}
-
-fn set_up(
-    loaded: &Loaded,
-    parameters: &Parameters,
-    request: &BackendRequest,
-) -> Result<(Scene, BodyId), Box<dyn Error>> {
-    let mut scene = Scene::with_backend(parameters.scene(), request)?;
-    let material = Material {
-        volume: parameters.volume.then(Volume::default),
-        interior_springs: parameters.interior_springs.then(InteriorSprings::default),
-        ..motion::material()
-    };
-    let body = scene.add_body(loaded.surface.clone(), &material)?;
-    let (solver, surface) = scene.edit(body)?.solver_mut();
-    motion::start(solver, surface)?;
-    Ok((scene, body))
-}
-
-/// Puts the blade at the start of a sweep through the middle of the largest piece; returns the
-/// sweep and the piece.
-fn aim(
-    scene: &mut Scene,
-    body: BodyId,
-    blade: BladeId,
-    directions: &mut Directions,
-) -> Result<(Sweep, u32), Box<dyn Error>> {
-    let surface = scene.body(body)?.surface();
-    let volumes = surface.piece_volumes();
-    let largest = (0u32..)
-        .zip(&volumes)
-        .max_by(|x, y| x.1.abs().total_cmp(&y.1.abs()))
-        .map_or(0, |(piece, _)| piece);
-    let piece = surface.extract_piece(largest);
-    let bounds = piece.bounds();
-    let normal = directions.next_unit();
-    let sweep = Sweep::from_plane(normal.into(), normal.dot(&middle(&piece)), &bounds)?;
-    let [before, after] = sweep.ends();
-    scene.teleport_blade(blade, before)?;
-    scene.set_blade_piece(blade, Some(largest))?;
-    Ok((Sweep::new(before, after)?, largest))
 }
 
 /// Returns the area-weighted middle of a surface \[m\].
@@ -355,48 +400,6 @@ fn middle(surface: &Surface) -> Vec3 {
     sum / area
 }
 
-/// Records the angles of caps, and the reason why the paper's method refused a cut.
-fn judge_caps(
-    scene: &Scene,
-    body: BodyId,
-    by_paper: Option<&Result<CutOutcome, PaperError>>,
-    run: &mut Run,
-) -> Result<(), SceneError> {
-    let surface = scene.body(body)?.surface();
-    if let Some(Err(error)) = by_paper {
-        run.refused.push(error.to_string());
-    }
-    let cuts = scene.cuts().iter().filter_map(|sweep| sweep.cut.as_ref());
-    let outcomes = cuts.map(|(_, outcome)| outcome);
-    for outcome in outcomes.chain(by_paper.into_iter().flatten()) {
-        let cap = outcome.cap.iter().map(|&t| surface.triangle_positions(t));
-        run.cap_min_angle = run.cap_min_angle.min(AngleStats::from_triangles(cap).min);
-    }
-    Ok(())
-}
-
-fn after_slice(
-    scene: &Scene,
-    body: BodyId,
-    readback: Duration,
-    before: f64,
-    volume: f64,
-    run: &mut Run,
-) -> Result<(), SceneError> {
-    let stats = scene.stats();
-    let refusals = scene.failed_cuts().iter();
-    run.refused.extend(refusals.map(|r| r.error.to_string()));
-    for _ in 0..stats.cuts {
-        let cost = stats.cutting() + readback;
-        run.cuts.0.push(cost.as_secs_f64());
-        run.bytes_uploaded.push(stats.bytes_uploaded as f64);
-        run.bytes_read.push(stats.bytes_read as f64);
-    }
-    let after = rest_volume(scene.body(body)?.surface()) / volume;
-    run.volume_error += (after - before).abs();
-    Ok(())
-}
-
 /// Returns the position of the idle blade, which moves every frame \[m\].
 fn hover(diagonal: f64, frame: u32) -> [[f32; 3]; 2] {
     let angle = f64::from(frame) * 0.1;
@@ -409,16 +412,6 @@ fn hover(diagonal: f64, frame: u32) -> [[f32; 3]; 2] {
 /// Returns the enclosed volume at rest positions \[m^3\].
 fn rest_volume(surface: &Surface) -> f64 {
     surface.rest_volume_of(surface.topology().triangles())
-}
-
-/// Rounds a positive number.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a saturating cast of a positive number"
-)]
-pub(super) fn nearest(x: f64) -> u32 {
-    x.round() as u32
 }
 
 #[cfg(test)]

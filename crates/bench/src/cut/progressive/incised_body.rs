@@ -1,12 +1,12 @@
 //! A body that a blade cuts step by step, as a body of a scene.
 
 use super::strokes::turned;
-use crate::cut::times::Times;
+use crate::cut::body::StageTimes;
 use crate::measure;
 use crate::motion;
 use incise_cut::{CutError, CutParams, Cutter, Incision};
 use incise_mesh::Surface;
-use incise_mesh::geometry::{to_f32, to_f64};
+use incise_models::pose;
 use incise_pbd_gpu::Solver;
 use std::error::Error;
 use std::time::Instant;
@@ -33,7 +33,7 @@ pub(super) struct IncisedBody {
 /// A step that cut.
 #[derive(Debug)]
 pub(super) struct Step {
-    pub(super) times: Times,
+    pub(super) times: StageTimes,
     pub(super) wall_triangles: usize,
 }
 
@@ -91,7 +91,7 @@ impl IncisedBody {
         self.solver.apply_delta(&mut self.surface, &outcome.delta)?;
         let (constraints, total) = (follow.elapsed(), begin.elapsed());
         Ok(Ok(Some(Step {
-            times: Times::new(&outcome.report, constraints).with_refit(refit, total),
+            times: StageTimes::new(&outcome.report, constraints).with_refit(refit, total),
             wall_triangles: outcome.cap.len(),
         })))
     }
@@ -134,11 +134,7 @@ impl IncisedBody {
 
     /// Turns the body about the vertical axis.
     pub(super) fn turn(&mut self) {
-        for p in self.surface.positions_mut() {
-            let [x, y, z, inv_mass] = *p;
-            let [x, y, z] = to_f32(turned(to_f64([x, y, z]), TURN));
-            *p = [x, y, z, inv_mass];
-        }
+        pose(&mut self.surface, |p| turned(p, TURN));
         self.angle += TURN;
         self.has_moved = true;
     }

@@ -3,6 +3,7 @@
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3};
 use incise_models::scenes::Directions;
+use serde::Serialize;
 
 /// Largest distance of the plane from the body's middle [half extents].
 const SPREAD: f64 = 0.6;
@@ -36,22 +37,14 @@ impl StrokeKind {
 }
 
 /// How the planes of a body's strokes lie to each other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub(super) enum Planes {
     /// Parallel in the body: no stroke meets the walls of another.
+    #[default]
     Parallel,
     /// In seeded directions: most strokes meet walls of others.
     Crossing,
-}
-
-impl Planes {
-    /// Returns the name in tables.
-    pub(super) const fn name(self) -> &'static str {
-        match self {
-            Self::Parallel => "parallel",
-            Self::Crossing => "crossing",
-        }
-    }
 }
 
 /// The strokes through one body.
@@ -156,36 +149,5 @@ impl Stroke {
         let ways = (0_u32..).map(move |i| f64::from(i) * step);
         let ways = ways.take_while(move |way| *way <= self.length);
         ways.map(move |way| self.ends.map(|end| to_f32(end + self.along * way)))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use incise_mesh::geometry::to_f64;
-    use incise_mesh::icosphere;
-
-    #[test]
-    fn strokes_begin_outside_and_move_by_the_step() {
-        let ball = icosphere(3, 0.5);
-        for planes in [Planes::Parallel, Planes::Crossing] {
-            let mut strokes = Strokes::new(planes, 1);
-            for kind in StrokeKind::ALL.into_iter().cycle().take(40) {
-                let stroke = strokes.next(kind, &ball, 0.0);
-                let poses: Vec<[Vec3; 2]> = (stroke.poses(0.05)).map(|p| p.map(to_f64)).collect();
-                assert!(poses.len() > 10, "{} poses", poses.len());
-                for pair in poses.windows(2) {
-                    assert!(((pair[1][0] - pair[0][0]).norm() - 0.05).abs() < 1e-5);
-                }
-                // Both ends are before the ball in the direction of the motion.
-                let along = (poses[1][0] - poses[0][0]).normalize();
-                assert!(poses[0].iter().all(|end| end.dot(&along) < -0.5));
-                let is_outside = |end: Vec3| end.norm() > 0.5;
-                assert!(poses.iter().all(|[_, outer]| is_outside(*outer)));
-                if kind == StrokeKind::Press {
-                    assert!(poses.iter().all(|[inner, _]| is_outside(*inner)));
-                }
-            }
-        }
     }
 }
