@@ -5,15 +5,18 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The crates of the program.
-const CRATES: [&str; 9] = [
+const CRATES: [&str; 12] = [
+    "params",
     "mesh",
     "models",
     "sparse",
     "reference",
     "refine",
     "cut",
+    "paper",
     "pbd-gpu",
     "scene",
+    "progress",
     "bench",
 ];
 
