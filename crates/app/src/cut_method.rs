@@ -28,7 +28,7 @@ enum Method {
 }
 
 /// Names of the options that the paper's method alone has.
-const OF_PAPER: [&str; 3] = ["min-distance", "beta", "ear-angle"];
+const OF_PAPER: [&str; 4] = ["max-rounds", "min-distance", "beta", "ear-angle"];
 
 /// The parameters of the paper's method; others than [`OF_PAPER`] share options with the exact one.
 #[derive(Debug)]

@@ -155,8 +155,8 @@ impl Figure {
                 let words = format!("{} {row} {column}", self.words);
                 let words = words.split_whitespace().collect::<Vec<_>>().join(" ");
                 let command = format!(
-                    "incise render {words} --wireframe --background #ffffff \
-                     --size {side}x{side} -o {}.png",
+                    "incise render {words} --wireframe --background ffffff \
+                     --size {side}x{side} -o {}-{r}-{c}.png",
                     self.name
                 );
                 let panel = Panel::try_parse_from(command.split(' ').skip(1));

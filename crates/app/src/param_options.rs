@@ -11,6 +11,11 @@ pub(crate) trait OptionSet {
     /// The parameters.
     type Params: Params + Clone + 'static;
 
+    /// Returns the defaults of the command.
+    fn defaults() -> Self::Params {
+        Self::Params::default()
+    }
+
     /// Completes the option of a parameter; none to leave it out.
     fn option(path: &str, option: Arg) -> Option<Arg>;
 }
@@ -36,7 +41,7 @@ impl<S: OptionSet> ParamOptions<S> {
 
     /// Returns the defaults with the parameters that are given.
     pub(crate) fn params(&self) -> Result<S::Params, ParamError> {
-        let mut params = S::Params::default();
+        let mut params = S::defaults();
         params.set_value(&Value::Map(self.given.clone()))?;
         Ok(params)
     }
@@ -59,13 +64,17 @@ fn option_name(short: &str) -> String {
 
 impl<S: OptionSet> Args for ParamOptions<S> {
     fn augment_args(command: Command) -> Command {
+        let defaults = S::defaults().value();
         let options = parameters::<S::Params>().filter_map(|(path, short, field)| {
             let name = option_name(&short);
             let parse = move |text: &str| parse::<S::Params>(&short, text);
             let option = Arg::new(name.clone())
                 .long(name)
                 .value_name(value_name(field))
-                .help(help(field))
+                .help(help(
+                    field,
+                    defaults.at(&path).unwrap_or_else(field.default),
+                ))
                 .value_parser(parse)
                 .allow_hyphen_values(true);
             let option = match field.kind.inner() {
@@ -133,11 +142,15 @@ fn value_name(field: &Field) -> String {
 }
 
 /// Returns the help of a parameter: its summary, unit, names and default.
-fn help(field: &Field) -> String {
+fn help(field: &Field, default: Value) -> String {
     let mut help = field.summary();
     if let Kind::Variants(variants) = *field.kind.inner() {
-        let names: Vec<&str> = variants.iter().map(|variant| variant.name).collect();
-        help += &format!(" One of {}.", names.join(", "));
+        let names = variants.iter().filter(|v| matches!(v.kind, Kind::Unit));
+        let names: Vec<&str> = names.map(|variant| variant.name).collect();
+        help += &match names.len() == variants.len() {
+            true => format!(" One of {}.", names.join(", ")),
+            false => format!(" One of {}, or a number.", names.join(", ")),
+        };
     }
     if matches!(field.kind.inner(), Kind::Number | Kind::Count) && field.range != Range::FINITE {
         let range = field.range.to_string();
@@ -147,7 +160,8 @@ fn help(field: &Field) -> String {
     if !field.unit.is_empty() {
         help += &format!(" [{}]", field.unit);
     }
-    match (field.default)() {
+    match default {
+        Value::Count(u64::MAX) => help + " [default: no limit]",
         Value::Map(entries) => match (field.kind, entries.as_slice()) {
             (Kind::Variants(_), [(name, _)]) => help + &format!(" [default: {name}]"),
             _ => help + " [default: true]",

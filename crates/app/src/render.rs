@@ -77,6 +77,9 @@ struct LookOptions {
     /// `incise cut` writes.
     #[arg(long, value_name = "N,..", value_delimiter = ',')]
     without: Vec<usize>,
+    /// Hide pieces in front of a cut: show those behind all planes, whose normals point away.
+    #[arg(long, requires = "cutter")]
+    behind: bool,
     /// Draw the blade's sweep, or the part of the plane within the body's box, translucent.
     #[arg(long, requires = "cutter")]
     show_sweep: bool,
@@ -199,6 +202,9 @@ impl RenderArguments {
             .transpose()?;
         let mut bodies = Bodies::read(&self.inputs, self.reading, plan, reporter)?;
         bodies.hide(&self.look.without)?;
+        if self.look.behind {
+            bodies.hide_front();
+        }
         bodies.explode(self.look.explode.unwrap_or(0.0));
         Ok(bodies)
     }

@@ -22,7 +22,6 @@ use crate::reporter::Reporter;
 use bodies::{Bodies, Input};
 use clap::ValueEnum;
 use incise_mesh::Surface;
-use incise_pbd_gpu::Material;
 use incise_scene::{BackendChoice, BackendRequest, Scene, SceneParams};
 use options::SceneOptions;
 use output::SimulateOutput;
@@ -74,7 +73,7 @@ dt, iterations, substeps, hits, failed_cuts and missed_cuts (a message for every
 could not be made, and for every plane and blade that hit nothing), steps, cutting_steps (with
 --path, else null: motions of the blade, and those that cut), pieces (body, which is the index of
 its input, file, vertices, triangles, area, volume, cavity, boundary_edges and euler_characteristic
-of each), removed, seconds.
+of each), pictures (of --frames and --animation), removed, seconds.
 
 Exit code 4: the cuts miss all bodies or cannot be made, and the pieces are those of the uncut
 bodies.";
@@ -112,8 +111,7 @@ pub(crate) fn run(
     let file = arguments.scene_file()?;
     file.check_frames()?;
     let mut cuts = ScheduledCuts::new(&file)?;
-    let materials = file.bodies.iter().map(|body| file.material(body));
-    let materials = materials.collect::<Result<Vec<Material>, _>>()?;
+    let materials = file.materials()?;
     let (inputs, surfaces) = bodies::read(&file)?;
     for (input, surface) in inputs.iter().zip(&surfaces) {
         for warning in &input.warnings {
@@ -216,7 +214,7 @@ impl SimulateArguments {
             None => self.scene.scene_file(&self.inputs)?,
             Some(path) => {
                 if let Some(option) = self.scene.first_given() {
-                    let with = "a scene file, which has a key for it";
+                    let with = "a scene file, which describes it";
                     return Err(Failure::NotWith { option, with });
                 }
                 if self.inputs.len() > 1 {

@@ -73,6 +73,13 @@ pub enum ParamError {
         /// Their full names.
         known: String,
     },
+    /// A parameter is given by two names.
+    Repeated {
+        /// The name.
+        name: String,
+        /// The other name.
+        other: String,
+    },
     /// The value has another type.
     WrongType {
         /// The name.
@@ -122,6 +129,7 @@ impl ParamError {
         match self {
             Self::Unknown { name, .. }
             | Self::Ambiguous { name, .. }
+            | Self::Repeated { name, .. }
             | Self::WrongType { name, .. }
             | Self::WrongValue { name, .. } => name.clone(),
             Self::OutOfRange(error) => error.name(),
@@ -147,6 +155,7 @@ impl ParamError {
         match &mut self {
             Self::Unknown { name, .. }
             | Self::Ambiguous { name, .. }
+            | Self::Repeated { name, .. }
             | Self::WrongType { name, .. }
             | Self::WrongValue { name, .. } => new.clone_into(name),
             Self::OutOfRange(_) => {}
@@ -165,6 +174,12 @@ impl fmt::Display for ParamError {
                 write!(
                     f,
                     "'{name}' is the name of several parameters; use one of {known}"
+                )
+            }
+            Self::Repeated { name, other } => {
+                write!(
+                    f,
+                    "'{name}' and '{other}' are the same parameter; give one of them"
                 )
             }
             Self::WrongType {

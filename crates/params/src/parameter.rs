@@ -91,7 +91,7 @@ pub fn set_part<T: Parameter>(
     match rest {
         "" => parameter.set_value(value).map_err(|error| match error {
             // The number does not even fit the type.
-            ParamError::OutOfRange(error) if range.min.is_finite() => {
+            ParamError::OutOfRange(error) if !range.contains(error.value) => {
                 ParamError::OutOfRange(OutOfRange::new(error.value, range))
             }
             error => error,
@@ -100,22 +100,29 @@ pub fn set_part<T: Parameter>(
     }
 }
 
-/// Sets the parameters of a struct that a map names.
+/// Sets the parameters of a struct that a map names, in an order that does not depend on the map's.
 ///
-/// A struct is set before its parameters.
+/// A struct is set before its parameters. What is switched off is set last, so that a part does not
+/// switch it on again.
 ///
 /// # Errors
-/// [`ParamError`], with the name of the map.
+/// [`ParamError`], with the name of the map; [`ParamError::Repeated`] for two names of a parameter.
 pub fn set_map<P: Params>(params: &mut P, value: &Value) -> Result<(), ParamError> {
     let Value::Map(entries) = value else {
         return Err(ParamError::wrong_type(value, P::KIND));
     };
     let resolved = entries.iter().map(|(name, value)| {
         let path = names::resolve(P::FIELDS, name)?;
-        Ok((path.split('.').count(), path, name, value))
+        let is_off = value.is_none() || *value == Value::Flag(false);
+        Ok(((is_off, path.split('.').count()), path, name, value))
     });
     let mut resolved: Vec<_> = resolved.collect::<Result<_, ParamError>>()?;
-    resolved.sort_by_key(|&(parts, ..)| parts);
+    resolved.sort_by(|a, b| a.1.cmp(&b.1));
+    if let Some(pair) = resolved.windows(2).find(|pair| pair[0].1 == pair[1].1) {
+        let [name, other] = [0, 1].map(|i: usize| pair[i].2.clone());
+        return Err(ParamError::Repeated { name, other });
+    }
+    resolved.sort_by_key(|&(order, ..)| order);
     for (_, path, name, value) in resolved {
         set_below(params, &path, name, value)?;
     }
@@ -236,22 +243,20 @@ impl Parameter for f32 {
     }
 }
 
-/// Returns a whole number from 0 to `max`.
+/// Returns a whole number in the range of a type, from 0 to `max`.
 #[expect(
     clippy::cast_possible_truncation,
-    clippy::cast_precision_loss,
     clippy::cast_sign_loss,
     reason = "the number is whole and in the range of the type"
 )]
-fn count(value: &Value, max: u64) -> Result<u64, ParamError> {
+fn count(value: &Value, max: u64, range: &'static Range) -> Result<u64, ParamError> {
     let number = match value {
         Value::Count(count) if *count <= max => return Ok(*count),
         _ => value.number(),
     };
-    let range = Range::NOT_NEGATIVE.up_to(max as f64);
     match number {
         Some(x) if x.fract() == 0.0 && range.contains(x) => Ok(x as u64),
-        Some(x) if x.fract() == 0.0 => Err(OutOfRange::new(x, &Range::NOT_NEGATIVE).into()),
+        Some(x) if x.fract() == 0.0 => Err(OutOfRange::new(x, range).into()),
         _ => Err(ParamError::wrong_type(value, Kind::Count)),
     }
 }
@@ -270,9 +275,11 @@ macro_rules! whole {
                 Value::Count(u64::try_from(*self).unwrap_or(u64::MAX))
             }
 
+            #[allow(clippy::cast_precision_loss, reason = "the limit in a message")]
             fn set_value(&mut self, value: &Value) -> Result<(), ParamError> {
                 let max = u64::try_from(Self::MAX).unwrap_or(u64::MAX);
-                *self = Self::try_from(count(value, max)?).unwrap_or(Self::MAX);
+                let range = const { &Range::NOT_NEGATIVE.up_to(Self::MAX as f64) };
+                *self = Self::try_from(count(value, max, range)?).unwrap_or(Self::MAX);
                 Ok(())
             }
 
@@ -353,7 +360,7 @@ impl<T: Parameter> Parameter for Option<T> {
     fn set_value(&mut self, value: &Value) -> Result<(), ParamError> {
         let is_struct = matches!(T::KIND, Kind::Struct(_));
         match value {
-            Value::None => *self = None,
+            value if value.is_none() => *self = None,
             Value::Flag(is_on) if is_struct => match is_on {
                 true => {
                     self.get_or_insert_with(T::initial);

@@ -25,6 +25,11 @@ pub enum Value {
 const SHOWN: usize = 40;
 
 impl Value {
+    /// Returns whether this is no value, also as the text of a file or language without one.
+    pub(crate) fn is_none(&self) -> bool {
+        matches!(self, Self::None) || matches!(self, Self::Text(text) if text == "none")
+    }
+
     /// Returns the value of a text.
     ///
     /// That is `none`, a flag, a number, numbers between commas, a name, or values by name in

@@ -102,6 +102,53 @@ fn map(entries: &[(&str, Value)]) -> Value {
 }
 
 #[test]
+fn a_struct_that_is_off_stays_off_beside_its_parts() {
+    let thickness = Value::Number(0.2);
+    for (name, off) in [
+        ("contacts", Value::Flag(false)),
+        ("contacts", Value::None),
+        ("contacts", Value::Text("none".to_owned())),
+        ("contacts.enabled", Value::Flag(false)),
+    ] {
+        let mut entries = [(name, off), ("contacts_thickness", thickness.clone())];
+        for _ in 0..2 {
+            entries.reverse();
+            assert_eq!(set(&entries).unwrap().contacts, None, "{entries:?}");
+        }
+    }
+}
+
+#[test]
+fn two_names_of_a_parameter_are_refused() {
+    let entries = [
+        ("thickness", Value::Number(0.2)),
+        ("contacts.thickness", Value::Number(0.3)),
+    ];
+    assert_eq!(
+        set(&entries).unwrap_err(),
+        "'thickness' and 'contacts.thickness' are the same parameter; give one of them"
+    );
+}
+
+#[test]
+fn none_is_also_a_text() {
+    let none = || Value::Text("none".to_owned());
+    let scene = set(&[("ground", none()), ("bending", none())]).unwrap();
+    assert_eq!((scene.ground, scene.bending), (None, None));
+}
+
+#[test]
+fn whole_numbers_name_the_limit_of_their_type() {
+    let error = set(&[("substeps", Value::Number(1e12))]).unwrap_err();
+    assert!(error.contains("4294967295"), "{error}");
+    let error = set(&[("substeps", Value::Number(-1.0))]).unwrap_err();
+    assert_eq!(
+        error,
+        "substeps is -1; it must be a finite number of at least 1"
+    );
+}
+
+#[test]
 fn names_may_be_short_and_have_other_dots() {
     for (name, path) in [
         ("dt", "dt"),

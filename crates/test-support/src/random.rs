@@ -55,3 +55,11 @@ impl Random {
         self.between(0.1, 0.9) as f32
     }
 }
+
+/// Returns a number from -1 to 1 that depends on `seed` only.
+#[must_use]
+pub fn noise(seed: u64) -> f32 {
+    let mut x = seed.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 31)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    ((x >> 40) as f32) / 8_388_608.0 - 1.0
+}

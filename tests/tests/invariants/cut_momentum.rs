@@ -4,6 +4,7 @@ use incise_cut::{CutOutcome, CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, Vec3, VertexId, cube_sphere, icosphere, torus};
 use incise_paper::PaperParams;
 use incise_pbd_gpu::{Density, Material, Solver};
+use incise_test_support::random::noise;
 use proptest::prelude::*;
 
 /// Rounding of sums in 32 bits, relative to the sum of absolute values.
@@ -15,13 +16,6 @@ fn solver(surface: &mut Surface) -> Solver {
         ..Material::default()
     };
     Solver::new(surface, &material).unwrap()
-}
-
-/// Returns a number from -1 to 1 that depends on `seed` only.
-fn noise(seed: u64) -> f32 {
-    let mut x = seed.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    x = (x ^ (x >> 31)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    ((x >> 40) as f32) / 8_388_608.0 - 1.0
 }
 
 fn center(surface: &Surface, solver: &Solver) -> Vec3 {

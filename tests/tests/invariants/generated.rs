@@ -135,7 +135,9 @@ Made from the declarations in Rust by `INCISE_UPDATE=1 cargo test -p incise-test
 A name may leave out leading parts, and have underscores or dashes in place of dots:
 `solver.substeps` is also `substeps`, and `cut.refine.level` is `refine_level`. A parameter that
 is on or off is set by true and false, by `NAME.enabled`, or by its own parameters, which switch it
-on. `none` switches off a number that is optional. Lists are three numbers.
+on. What is switched off stays off beside its own parameters. `none` switches off a value that is
+optional; in files it is the text `\"none\"`. Two names of one parameter are refused. Lists are
+three numbers. Options of the command line have the shortest name only.
 
 | where | how |
 |---|---|

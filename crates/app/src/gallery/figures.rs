@@ -23,7 +23,7 @@ pub(super) const ALL: [Figure; 13] = [
     Figure {
         name: "fig4",
         caption: "Refinement levels of Sphere80, second half removed.",
-        words: "Sphere80 --plane 1,0.12,0.2,0.06 --without 1",
+        words: "Sphere80 --plane 1,0.12,0.2,0.06 --behind",
         rows: &[
             "--method paper --camera 126.6,17.5",
             "--grading 0 --camera 126.6,17.5",
@@ -52,49 +52,49 @@ pub(super) const ALL: [Figure; 13] = [
     levels(
         "fig7",
         "Refinement levels of Sphere20, second half removed.",
-        "Sphere20 --plane 1,0.12,0.2,0.06 --without 1",
+        "Sphere20 --plane 1,0.12,0.2,0.06 --behind",
         FROM_THE_LEFT,
     ),
     levels(
         "fig8",
         "Refinement levels of Sphere768, second half removed.",
-        "Sphere768 --plane 1,0.12,0.2,0.06 --without 1",
+        "Sphere768 --plane 1,0.12,0.2,0.06 --behind",
         FROM_THE_LEFT,
     ),
     levels(
         "fig9",
         "Refinement levels of Bunny, cut through its body, second half removed.",
-        "Bunny --plane 1,0.1,0.2,0.01 --without 1",
+        "Bunny --plane 1,0.1,0.2,0.01 --behind",
         FROM_THE_LEFT,
     ),
     levels(
         "fig10",
         "Refinement levels of Bunny, cut through its head, second half removed.",
-        "Bunny --plane 0.05,1,0.3,0.17 --without 1",
+        "Bunny --plane 0.05,1,0.3,0.17 --behind",
         FROM_ABOVE,
     ),
     levels(
         "figA1",
         "Refinement levels of Sphere80, second half removed.",
-        "Sphere80 --plane 1,0.12,0.2,0.06 --without 1",
+        "Sphere80 --plane 1,0.12,0.2,0.06 --behind",
         FROM_THE_LEFT,
     ),
     levels(
         "figA2",
         "Refinement levels of Octopus, second half removed.",
-        "Octopus --plane 1,0.05,0.12,0.015 --without 1",
+        "Octopus --plane 1,0.05,0.12,0.015 --behind",
         FROM_THE_LEFT,
     ),
     levels(
         "figA3",
         "Refinement levels of Banana, second half removed.",
-        "Banana --plane 1,0.1,0.1,0.02 --without 1",
+        "Banana --plane 1,0.1,0.1,0.02 --behind",
         FROM_THE_LEFT,
     ),
     levels(
         "figA4",
         "Refinement levels of Armadillo, second half removed.",
-        "Armadillo --plane 0.08,1,0.15,0.03 --without 1",
+        "Armadillo --plane 0.08,1,0.15,0.03 --behind",
         FROM_ABOVE,
     ),
     Figure {

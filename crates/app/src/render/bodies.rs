@@ -131,6 +131,17 @@ impl Bodies {
         Ok(())
     }
 
+    /// Hides the pieces with a center in front of a sweep: where the normal of its plane points.
+    pub(super) fn hide_front(&mut self) {
+        for body in &mut self.bodies {
+            for (piece, center) in body.pieces.iter_mut().zip(centers(&body.surface)) {
+                let planes = body.sweeps.iter().map(Sweep::plane);
+                let is_behind = |(point, normal): (Vec3, Vec3)| (center - point).dot(&normal) < 0.0;
+                *piece = piece.filter(|_| planes.clone().all(is_behind));
+            }
+        }
+    }
+
     /// Returns the bounding box of all meshes before the cut.
     pub(super) fn bounds(&self) -> Aabb {
         let boxes = self.bodies.iter().map(|body| body.bounds);

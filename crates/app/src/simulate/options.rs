@@ -82,10 +82,21 @@ struct SceneOptionSet;
 impl OptionSet for SceneOptionSet {
     type Params = SceneParams;
 
+    fn defaults() -> SceneParams {
+        SceneFile::default_params(false)
+    }
+
     fn option(path: &str, option: Arg) -> Option<Arg> {
         match path {
             "dt" => None,
             "contacts" => Some(option.conflicts_with("no_contacts")),
+            "contacts.self_collision" => {
+                let help = option
+                    .get_help()
+                    .map(ToString::to_string)
+                    .unwrap_or_default();
+                Some(option.help(help + " With --path true."))
+            }
             path if path.starts_with("cut.") => Some(option.requires("cutter")),
             _ => Some(option),
         }

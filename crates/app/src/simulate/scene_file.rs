@@ -152,17 +152,24 @@ impl SceneFile {
         (time / self.dt).round() as u32
     }
 
-    /// Returns the parameters of the scene.
+    /// Returns the default parameters of a scene.
     ///
-    /// Pieces touch each other, and both walls of a cut that ends inside, by default.
-    pub(super) fn scene_params(&self) -> Result<SceneParams, Failure> {
-        let mut params = SceneParams {
-            dt: round_to_f32(self.dt),
+    /// Pieces touch each other, and both walls of a cut by a blade, which may end inside.
+    pub(super) fn default_params(has_blades: bool) -> SceneParams {
+        SceneParams {
             contacts: Some(ContactParams {
-                self_collision: !self.blades.is_empty(),
+                self_collision: has_blades,
                 ..ContactParams::default()
             }),
             ..SceneParams::default()
+        }
+    }
+
+    /// Returns the parameters of the scene.
+    pub(super) fn scene_params(&self) -> Result<SceneParams, Failure> {
+        let mut params = SceneParams {
+            dt: round_to_f32(self.dt),
+            ..Self::default_params(!self.blades.is_empty())
         };
         let entries = self.params.iter();
         let entries = entries.map(|(name, value)| (name.clone(), value.clone()));
@@ -172,25 +179,37 @@ impl SceneFile {
         Ok(params)
     }
 
+    /// Returns the material of each body. Checks those that no body has, too.
+    pub(super) fn materials(&self) -> Result<Vec<Material>, Failure> {
+        for (name, own) in &self.materials {
+            self.own_material(name, own)?;
+        }
+        self.bodies.iter().map(|body| self.material(body)).collect()
+    }
+
     /// Returns the material of a body.
-    pub(super) fn material(&self, body: &BodyFile) -> Result<Material, Failure> {
+    fn material(&self, body: &BodyFile) -> Result<Material, Failure> {
         let Some(name) = &body.material else {
             return Ok(Material::soft_body());
         };
         if let Some(own) = self.materials.get(name.get_ref()) {
-            let material = own.get_ref().material();
-            return material.map_err(|source| {
-                let line = self.line(own).unwrap_or_default();
-                let key = ["materials", name.get_ref(), &source.name()].join(".");
-                let line = self.line_of_key(&key).unwrap_or(line);
-                self.refuse(SceneFileError::Parameter { line, source })
-            });
+            return self.own_material(name.get_ref(), own);
         }
         Material::preset(name.get_ref()).ok_or_else(|| {
             self.refuse(SceneFileError::UnknownMaterial {
                 line: self.line(name).unwrap_or_default(),
                 name: name.get_ref().clone(),
             })
+        })
+    }
+
+    /// Returns a material of the file.
+    fn own_material(&self, name: &str, own: &Spanned<MaterialFile>) -> Result<Material, Failure> {
+        own.get_ref().material().map_err(|source| {
+            let prefix = ["materials.", name, "."].concat();
+            let line = self.line_of_key(&prefix, Material::FIELDS, &source.name());
+            let line = line.or_else(|| self.line(own)).unwrap_or_default();
+            self.refuse(SceneFileError::Parameter { line, source })
         })
     }
 }

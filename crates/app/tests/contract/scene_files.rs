@@ -197,6 +197,25 @@ fn errors_name_the_line_and_write_nothing() {
             "line 2: solver.substeps is 0; it must be from 1 to 1048576",
         ),
         (
+            format!("seconds = 1\n[materials.unused]\nfriction = -1\n{body}"),
+            "line 3: friction is -1; it must be a finite number of at least 0",
+        ),
+        (
+            format!(
+                "seconds = 1\n[materials.own]\nvolume = true\ncompressibility = -1\n{body}\
+                 material = \"own\"\n"
+            ),
+            "line 4: volume.compressibility is -1; it must be",
+        ),
+        (
+            format!("seconds = 1\nlevel = 0\n{body}"),
+            "line 2: cut.refine.level.z is 0; it must be",
+        ),
+        (
+            format!("seconds = 1\nsubsteps = 4\n{body}[solver]\nsubsteps = 16\n"),
+            "line 2: 'substeps' and 'solver.substeps' are the same parameter",
+        ),
+        (
             format!("seconds = 1\n{body}[contacts]\nthickness = 200\n"),
             "line 5: contacts.thickness is 200; it must be above 0 and at most 100",
         ),

@@ -49,7 +49,8 @@ incise_params::params! {
         ///
         /// They cost one pass per iteration for such bodies.
         attachments: bool = true;
-        /// Solution of the constraints of a substep.
+        /// Solution of the constraints of a substep. `global` needs the feature of this name, which
+        /// the program and the packages for other languages do not have.
         scheme: Scheme = Scheme::Sweeps;
         /// Time integration of a substep.
         integrator: Integrator = Integrator::Euler;
@@ -58,8 +59,8 @@ incise_params::params! {
         ///
         /// The results do not depend on it. One thread is the calling thread: no pool is touched.
         /// Threads share the passes of large bodies, and small bodies of an island that has many;
-        /// other small bodies take one. With more than one, the global step factors its
-        /// matrix after an edit on a background thread outside the pool.
+        /// other small bodies take one. With more than one, the global step factors its matrix
+        /// after an edit on a background thread outside the pool.
         threads: Option<NonZeroUsize> = None, range: Range::at_least(1.0);
     }
 }

@@ -4,15 +4,9 @@ use incise_mesh::geometry::to_f32;
 use incise_mesh::{HalfEdge, Surface, Vec3, VertexId};
 use incise_pbd_gpu::{Material, Solver};
 use incise_test_support::edits::{replace_vertex, split};
+use incise_test_support::random::noise;
 use incise_test_support::surfaces::sphere;
 use proptest::prelude::*;
-
-/// A number from -1 to 1 that depends on nothing but `seed`.
-fn noise(seed: u64) -> f32 {
-    let mut x = seed.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    x = (x ^ (x >> 31)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    ((x >> 40) as f32) / 8_388_608.0 - 1.0
-}
 
 fn fastest(solver: &Solver) -> f64 {
     let squares = solver.velocities().iter().map(|v| {

@@ -3,7 +3,7 @@
 use super::{SceneFile, Source};
 use crate::failure::Failure;
 use crate::input::resolve;
-use incise_params::{ParamError, Params};
+use incise_params::{Field, ParamError, Params};
 use incise_pbd_gpu::Material;
 use incise_scene::SceneParams;
 use std::path::{Path, PathBuf};
@@ -144,21 +144,39 @@ impl SceneFile {
         if self.source.is_none() {
             return Failure::Parameter(source);
         }
-        let line = self.line_of_key(&source.name()).unwrap_or_default();
+        let line = self.line_of_key("", SceneParams::FIELDS, &source.name());
+        let line = line.unwrap_or_default();
         self.refuse(SceneFileError::Parameter { line, source })
     }
 
-    /// Returns the line of a key: a dotted one, or the name of a parameter of the scene.
-    pub(in crate::simulate) fn line_of_key(&self, name: &str) -> Option<usize> {
+    /// Returns the line of the key behind `prefix` that names a parameter, or contains it.
+    pub(in crate::simulate) fn line_of_key(
+        &self,
+        prefix: &str,
+        fields: &'static [Field],
+        name: &str,
+    ) -> Option<usize> {
         let text = &self.source.as_ref()?.text;
         let table = DeTable::parse(text).ok()?;
         let mut keys = Vec::new();
         append_keys(&mut keys, "", table.get_ref());
-        let full = |name: &str| incise_params::resolve(SceneParams::FIELDS, name).ok();
-        let is_meant = |key: &str| full(key).is_some_and(|key| key == name);
-        let exact = keys.iter().find(|(key, _)| key == name);
-        let (_, start) = exact.or_else(|| keys.iter().find(|(key, _)| is_meant(key)))?;
-        Some(line_of(text, *start))
+        let full = |name: &str| incise_params::resolve(fields, name).ok();
+        let line_of_name = |name: &str| {
+            let mut below = keys.iter().filter_map(|(key, start)| {
+                let key = key.strip_prefix(prefix)?;
+                Some((key, *start))
+            });
+            let exact = below.clone().find(|&(key, _)| key == name);
+            let is_meant = |key: &str| full(key).is_some_and(|key| key == name);
+            let (_, start) = exact.or_else(|| below.find(|&(key, _)| is_meant(key)))?;
+            Some(line_of(text, start))
+        };
+        // The key of a number, or of the struct or alternative around it.
+        let ends = name.match_indices('.').map(|(dot, _)| dot);
+        let ends = ends.chain([name.len()]).collect::<Vec<_>>();
+        ends.into_iter()
+            .rev()
+            .find_map(|end| line_of_name(&name[..end]))
     }
 
     /// Returns the path of the file; empty for a scene made of options.
