@@ -75,7 +75,8 @@ Levels (--level), ratio of a cap's edge length to that of the surface at the rim
 
 JSON report (--json), a list of reports for several inputs, lengths in the input's unit:
   input, method, snap, remesh, level, grading
-                         the input and the parameters of the cut
+                         the input and the parameters of the cut; the paper's method has no
+                         snap, remesh and grading: null
   warnings               repairs made while reading, attributes that are dropped
   caps                   curves of the cut that get caps: bodies, all-loops or none
   triangles, boundary_edges, volume
@@ -103,10 +104,11 @@ struct Report {
     #[serde(serialize_with = "lossy")]
     input: PathBuf,
     method: &'static str,
-    snap: f64,
-    remesh: f64,
+    /// Of the exact method only, as are `remesh` and `grading`.
+    snap: Option<f64>,
+    remesh: Option<f64>,
     level: f64,
-    grading: f64,
+    grading: Option<f64>,
     /// Repairs made while reading.
     warnings: Vec<Warning>,
     triangles: usize,
@@ -197,14 +199,11 @@ pub(crate) fn run(
     for (i, piece) in written.pieces {
         meshes[i].report.pieces.push(piece);
     }
-    let is_exact = options.is_exact();
     let reports: Vec<&Report> = meshes.iter().map(|mesh| &mesh.report).collect();
     match *reports {
-        [report] => reporter.report(report, |report, out| print(report, is_exact, out))?,
+        [report] => reporter.report(report, print)?,
         _ => reporter.report(&reports, |reports, out| {
-            reports
-                .iter()
-                .try_for_each(|report| print(report, is_exact, out))
+            reports.iter().try_for_each(|report| print(report, out))
         })?,
     }
     if let [first, ..] = &*meshes
@@ -265,10 +264,10 @@ impl CutArguments {
         let report = Report {
             input: path.to_owned(),
             method: self.method.name(),
-            snap: params.snap,
-            remesh: params.remesh,
+            snap: options.is_exact().then_some(params.snap),
+            remesh: options.is_exact().then_some(params.remesh),
             level: params.refine.level.z(),
-            grading: params.refine.grading,
+            grading: options.is_exact().then_some(params.refine.grading),
             warnings,
             triangles,
             boundary_edges,

@@ -8,7 +8,7 @@ use incise_cut::Caps;
 use std::io::{self, Write};
 
 /// Prints the report.
-pub(super) fn print(report: &Report, is_exact: bool, out: &mut impl Write) -> io::Result<()> {
+pub(super) fn print(report: &Report, out: &mut impl Write) -> io::Result<()> {
     writeln!(
         out,
         "{}: {}, volume {:.6e}",
@@ -46,29 +46,29 @@ pub(super) fn print(report: &Report, is_exact: bool, out: &mut impl Write) -> io
                 counted(report.cap_flat_triangles, report.cap_noun())
             )?;
         }
-        if is_exact && report.snap > 0.0 {
+        let is_on = |amount: &f64| *amount > 0.0;
+        let [snap, remesh] = [report.snap, report.remesh].map(|amount| amount.filter(is_on));
+        if let Some(snap) = snap {
             writeln!(
                 out,
-                "  snap {}: {} and {} moved; {} left",
-                report.snap,
+                "  snap {snap}: {} and {} moved; {} left",
                 counted(report.cut.snapped_vertices, "vertex"),
                 counted(report.cut.merged_points, "point"),
                 counted(report.cut.short_rim_edges, "short rim edge")
             )?;
         }
-        if is_exact && report.remesh > 0.0 {
+        if let Some(remesh) = remesh {
             writeln!(
                 out,
-                "  remesh {}: {} flipped, {} and {} contracted; the \
+                "  remesh {remesh}: {} flipped, {} and {} contracted; the \
                  surface moved by {:.1e} at most",
-                report.remesh,
                 counted(report.cut.flipped_edges, "edge"),
                 counted(report.cut.collapsed_vertices, "vertex"),
                 counted(report.cut.collapsed_points, "rim point"),
                 report.cut.moved_surface
             )?;
         }
-        if is_exact && report.snap.max(report.remesh) > 0.0 {
+        if snap.or(remesh).is_some() {
             writeln!(out, "  volume {:.1e} moved", report.cut.moved_volume)?;
         }
     }
