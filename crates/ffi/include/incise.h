@@ -53,6 +53,11 @@
 #define INCISE_MATERIAL_CLOTH 2
 
 /*
+ A stiff shell that bends freely.
+ */
+#define INCISE_MATERIAL_LIMP_SHELL 3
+
+/*
  Mass per area, in kg/m^2.
  */
 #define INCISE_DENSITY_AREA 0
@@ -676,8 +681,8 @@ extern "C" {
 #endif // __cplusplus
 
 /*
- Writes a material: `INCISE_MATERIAL_SOFT_BODY`, `INCISE_MATERIAL_SHELL` or
- `INCISE_MATERIAL_CLOTH`.
+ Writes a material: `INCISE_MATERIAL_SOFT_BODY`, `INCISE_MATERIAL_SHELL`,
+ `INCISE_MATERIAL_CLOTH` or `INCISE_MATERIAL_LIMP_SHELL`.
  */
 incise_status incise_material_init(uint32_t preset, incise_material *out);
 

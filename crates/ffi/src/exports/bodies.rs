@@ -40,8 +40,8 @@ pub struct RayHit {
     pub distance: f64,
 }
 
-/// Writes a material: `INCISE_MATERIAL_SOFT_BODY`, `INCISE_MATERIAL_SHELL` or
-/// `INCISE_MATERIAL_CLOTH`.
+/// Writes a material: `INCISE_MATERIAL_SOFT_BODY`, `INCISE_MATERIAL_SHELL`,
+/// `INCISE_MATERIAL_CLOTH` or `INCISE_MATERIAL_LIMP_SHELL`.
 #[unsafe(no_mangle)]
 pub extern "C" fn incise_material_init(
     preset: u32,

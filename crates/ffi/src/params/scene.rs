@@ -130,6 +130,8 @@ pub const INCISE_MATERIAL_SOFT_BODY: u32 = 0;
 pub const INCISE_MATERIAL_SHELL: u32 = 1;
 /// Cloth that does not stretch and bends freely.
 pub const INCISE_MATERIAL_CLOTH: u32 = 2;
+/// A stiff shell that bends freely.
+pub const INCISE_MATERIAL_LIMP_SHELL: u32 = 3;
 
 /// Mass per area, in kg/m^2.
 pub const INCISE_DENSITY_AREA: u32 = 0;
@@ -215,6 +217,7 @@ impl Material {
             INCISE_MATERIAL_SOFT_BODY => pbd::Material::soft_body(),
             INCISE_MATERIAL_SHELL => pbd::Material::shell(),
             INCISE_MATERIAL_CLOTH => pbd::Material::cloth(),
+            INCISE_MATERIAL_LIMP_SHELL => pbd::Material::default(),
             preset => return Err(Error::constant("preset", preset)),
         }))
     }
@@ -343,6 +346,7 @@ mod tests {
             (INCISE_MATERIAL_SOFT_BODY, pbd::Material::soft_body()),
             (INCISE_MATERIAL_SHELL, pbd::Material::shell()),
             (INCISE_MATERIAL_CLOTH, pbd::Material::cloth()),
+            (INCISE_MATERIAL_LIMP_SHELL, pbd::Material::default()),
         ] {
             let converted = Material::preset(preset).and_then(|material| material.check());
             assert_eq!(converted, Ok(material), "preset {preset}");

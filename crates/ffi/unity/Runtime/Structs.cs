@@ -170,6 +170,9 @@ namespace Incise
         /// <summary>Returns cloth that does not stretch and bends freely.</summary>
         public static Material Cloth { get { return Preset(2); } }
 
+        /// <summary>Returns a stiff shell that bends freely.</summary>
+        public static Material LimpShell { get { return Preset(3); } }
+
         static Material Preset(uint preset)
         {
             Material material;
