@@ -55,6 +55,7 @@ pub(crate) fn of_fill<'py>(py: Python<'py>, report: &FillReport) -> PyResult<Bou
         }
         for (key, is_true) in [
             ("planar", hole.planar),
+            ("faired", hole.faired),
             ("self_intersecting", hole.self_intersecting),
         ] {
             out.set_item(key, is_true)?;

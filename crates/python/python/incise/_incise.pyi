@@ -207,6 +207,7 @@ class Hole(TypedDict):
     flat_triangles: int
     slivers: int
     planar: bool
+    faired: bool
     self_intersecting: bool
     min_angle_deg: float
     median_angle_deg: float
