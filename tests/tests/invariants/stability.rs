@@ -17,6 +17,8 @@ const OPEN: [[&str; 3]; 14] = [
     // With one substep the armadillo collapses: a volume alone does not hold a surface up.
     ["volume", "a ball", "limits"],
     ["volume", "the same, cut twice", "relative volume error"],
+    // So it does here: 0.9 to 1.5 times the largest strain, by chance of commit and machine.
+    ["volume", "the same, cut twice", "limits"],
     // Edges of 1e-5 m/N end with a mean strain of 5.4 %.
     [
         "volume",
@@ -27,8 +29,6 @@ const OPEN: [[&str; 3]; 14] = [
     ["tunnel", "", "vertices"],
     // A ball that neither stretches nor loses volume has no shape of half its size.
     ["closing", "", "speed"],
-    // Ten bodies tremble; as pieces of one body they sleep.
-    ["stack", "", "time"],
     // A piece of 20 triangles, 5e-7 of a bunny of 1 cm, loses a tenth of its volume.
     ["drop", "", "relative volume error"],
     // A piece of 1 cm without a volume inverts under another one.
