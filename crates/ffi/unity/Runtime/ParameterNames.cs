@@ -19,7 +19,7 @@ namespace Incise
         public const string SolverDiagonalScale = "solver.diagonal_scale";
         /// <summary>Enables long range attachments of inextensible, pinned bodies.</summary>
         public const string SolverAttachments = "solver.attachments";
-        /// <summary>Solution of the constraints of a substep.</summary>
+        /// <summary>Solution of the constraints of a substep. `global` needs the feature of this name, which the program and the packages for other languages do not have.</summary>
         public const string SolverScheme = "solver.scheme";
         /// <summary>Time integration of a substep.</summary>
         public const string SolverIntegrator = "solver.integrator";
