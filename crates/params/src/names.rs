@@ -1,6 +1,6 @@
 //! Dotted names of parameters: all of a struct, and the one that a short name means.
 
-use crate::{Field, Kind, ParamError};
+use crate::{Field, Kind, ParamError, Value};
 
 /// Returns all parameters of a struct with their dotted names, those of nested structs included.
 #[must_use]
@@ -67,6 +67,34 @@ pub fn resolve(fields: &'static [Field], name: &str) -> Result<String, ParamErro
             name: name.to_owned(),
             known: several.join(", "),
         }),
+    }
+}
+
+/// Appends the parameters that a map and the maps in it give: dotted names and given ones.
+///
+/// Both are behind `prefix`. Unknown names are left out.
+pub(crate) fn append_given(
+    out: &mut Vec<(String, String)>,
+    fields: &'static [Field],
+    prefix: [&str; 2],
+    entries: &[(String, Value)],
+) {
+    for (name, value) in entries {
+        let Ok(path) = resolve(fields, name) else {
+            continue;
+        };
+        let all = all_fields(fields);
+        let field = all.iter().find(|(own, _)| *own == path);
+        let [path, name] = [0, 1].map(|i: usize| match prefix[i] {
+            "" => [&path, name][i].clone(),
+            prefix => format!("{prefix}.{}", [&path, name][i]),
+        });
+        match (value, field.map(|(_, field)| field.kind.inner())) {
+            (Value::Map(inner), Some(Kind::Struct(fields))) => {
+                append_given(out, fields, [&path, &name], inner);
+            }
+            _ => out.push((path, name)),
+        }
     }
 }
 

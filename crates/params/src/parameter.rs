@@ -117,9 +117,11 @@ pub fn set_map<P: Params>(params: &mut P, value: &Value) -> Result<(), ParamErro
         Ok(((is_off, path.split('.').count()), path, name, value))
     });
     let mut resolved: Vec<_> = resolved.collect::<Result<_, ParamError>>()?;
-    resolved.sort_by(|a, b| a.1.cmp(&b.1));
-    if let Some(pair) = resolved.windows(2).find(|pair| pair[0].1 == pair[1].1) {
-        let [name, other] = [0, 1].map(|i: usize| pair[i].2.clone());
+    let mut given = Vec::new();
+    names::append_given(&mut given, P::FIELDS, ["", ""], entries);
+    given.sort();
+    if let Some([first, second]) = given.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+        let [name, other] = [first, second].map(|(_, name)| name.clone());
         return Err(ParamError::Repeated { name, other });
     }
     resolved.sort_by_key(|&(order, ..)| order);

@@ -126,8 +126,14 @@ fn two_names_of_a_parameter_are_refused() {
     ];
     assert_eq!(
         set(&entries).unwrap_err(),
-        "'thickness' and 'contacts.thickness' are the same parameter; give one of them"
+        "'contacts.thickness' and 'thickness' are the same parameter; give one of them"
     );
+    let entries = [
+        ("thickness", Value::Number(0.2)),
+        ("contacts", map(&[("thickness", Value::Number(0.3))])),
+    ];
+    let error = set(&entries).unwrap_err();
+    assert!(error.contains("the same parameter"), "{error}");
 }
 
 #[test]

@@ -213,7 +213,7 @@ fn errors_name_the_line_and_write_nothing() {
         ),
         (
             format!("seconds = 1\nsubsteps = 4\n{body}[solver]\nsubsteps = 16\n"),
-            "line 2: 'substeps' and 'solver.substeps' are the same parameter",
+            "line 6: 'solver.substeps' and 'substeps' are the same parameter",
         ),
         (
             format!("seconds = 1\n{body}[contacts]\nthickness = 200\n"),
