@@ -95,7 +95,7 @@ impl OptionSet for SceneOptionSet {
                     .get_help()
                     .map(ToString::to_string)
                     .unwrap_or_default();
-                Some(option.help(help + " With --path true."))
+                Some(option.help(help + " True by default with --path."))
             }
             path if path.starts_with("cut.") => Some(option.requires("cutter")),
             _ => Some(option),

@@ -179,7 +179,7 @@ impl SceneFile {
         Ok(params)
     }
 
-    /// Returns the material of each body. Checks those that no body has, too.
+    /// Returns the material of each body, after a check of all materials of the file.
     pub(super) fn materials(&self) -> Result<Vec<Material>, Failure> {
         for (name, own) in &self.materials {
             self.own_material(name, own)?;
