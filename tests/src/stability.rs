@@ -10,7 +10,9 @@ mod group;
 mod heaps;
 mod loads;
 mod motions;
+mod primitives;
 mod runner;
+mod still;
 mod volumes;
 
 use incise_test_support::energy::{LimitShare, MAX_ENERGY};
@@ -175,7 +177,8 @@ impl Case {
 
 /// Returns all cases in the order of the table.
 pub fn cases() -> impl Iterator<Item = &'static Case> {
-    let parts: [&[Case]; 7] = [
+    let parts: [&[Case]; 8] = [
+        &still::CASES,
         &motions::CASES,
         &loads::CASES,
         &volumes::CASES,

@@ -69,7 +69,7 @@ Examples:
       --volume --interior-springs 1 --plane 1,0,0.1,0 --at 0.2 --plane 0,0.1,1,0 --at 0.4 -o pieces
 
 JSON report (--json): inputs (file and warnings of each), backend, device, fallback_reason, frames,
-dt, iterations, substeps, hits, failed_cuts and missed_cuts (a message for every cut that
+dt, iterations, substep, hits, failed_cuts and missed_cuts (a message for every cut that
 could not be made, and for every plane and blade that hit nothing), steps, cutting_steps (with
 --path, else null: motions of the blade, and those that cut), pieces (body, which is the index of
 its input, file, vertices, triangles, area, volume, cavity, boundary_edges and euler_characteristic
@@ -167,7 +167,7 @@ pub(crate) fn run(
         frames: file.frames(),
         dt: file.dt,
         iterations: params.solver.iterations,
-        substeps: params.solver.substeps,
+        substep: params.solver.substep,
         hits: (!cuts.is_empty()).then_some(cuts.hits),
         failed_cuts: cuts.refusals.clone(),
         missed_cuts: cuts.misses().collect(),

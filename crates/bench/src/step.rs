@@ -70,7 +70,7 @@ struct Parameters {
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     bodies: u32,
     /// Solver iterations per substep.
-    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
     iterations: u32,
     /// Substeps per frame.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
@@ -81,10 +81,10 @@ impl Parameters {
     fn solver(&self) -> SolverParams {
         SolverParams {
             iterations: self.iterations,
-            substeps: self.substeps,
             gravity: [0.0; 3],
             ..SolverParams::paper()
         }
+        .with_substeps(DT, self.substeps)
     }
 }
 
@@ -310,7 +310,8 @@ impl<'a> Case<'a> {
             iterations,
             substeps,
         } = self.parameters;
-        let rounds = u64::from(substeps) * u64::from(iterations) * u64::from(bodies);
+        // An iteration projects forward and back.
+        let rounds = 2 * u64::from(substeps) * u64::from(iterations) * u64::from(bodies);
         let projections = rounds * self.constraints() as u64;
         Measured {
             dispatches: None,

@@ -554,11 +554,11 @@ typedef struct {
    */
   float gravity[3];
   /*
-   Substeps per frame.
+   Length of a substep in seconds; 0 for one substep per frame.
    */
-  uint32_t substeps;
+  float substep;
   /*
-   Projections of every constraint per substep.
+   Iterations per substep; each one projects every constraint forward and back.
    */
   uint32_t iterations;
   /*

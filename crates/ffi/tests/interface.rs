@@ -88,16 +88,16 @@ fn parameters_are_set_and_read_by_name() {
         };
         let set_number =
             |name: &CStr, value| parameters::incise_scene_set_number(scene, name.as_ptr(), value);
-        assert_eq!(number(c"solver.substeps"), Ok(16.0));
-        assert_eq!(set_number(c"substeps", 8.0), Status::Ok);
+        assert_eq!(number(c"solver.substep"), Ok(0.001_388_888_9));
+        assert_eq!(set_number(c"substep", 0.002), Status::Ok);
         assert_eq!(set(c"solver.residual", c"1e-6"), Status::Ok);
         assert_eq!(set(c"gravity", c"0,-1,0"), Status::Ok);
         assert_eq!(set(c"scheme", c"auto"), Status::Ok);
         assert_eq!(set_number(c"contacts.enabled", 1.0), Status::Ok);
         for (name, value) in [
-            (c"substeps", c"0"),
+            (c"substep", c"0"),
             (c"scheme", c"fast"),
-            (c"substep", c"1"),
+            (c"substeps", c"1"),
         ] {
             assert_eq!(set(name, value), Status::InvalidArgument, "{name:?}");
         }
@@ -107,7 +107,7 @@ fn parameters_are_set_and_read_by_name() {
             scene::incise_scene_set_params(scene, Some(&params)),
             Status::Ok
         );
-        assert_eq!(number(c"substeps"), Ok(16.0));
+        assert_eq!(number(c"substep"), Ok(0.001_388_888_9));
         assert_eq!(number(c"contacts.enabled"), Ok(0.0));
         assert_eq!(number(c"solver.residual"), Ok(1e-6));
         assert_eq!(number(c"scheme").err(), Some(Status::InvalidArgument));

@@ -150,10 +150,12 @@ pub enum StepError {
         /// Requested time step \[s\].
         value: f32,
     },
-    /// `h^2` is no normal number of 32 bits, or `compliance / h^2` overflows.
+    /// `h^2` is no normal number of 32 bits, `compliance / h^2` overflows, or a frame has more than
+    /// [`MAX_COUNT`](crate::SolverParams::MAX_COUNT) substeps.
     #[error(
-        "a substep of {h:e} s is too short: the minimum is {:e} s, and compliance over its square \
-         must be finite; use fewer substeps, longer steps or less compliance",
+        "a substep of {h:e} s is too short: the minimum is {:e} s, a frame has 2^20 of them at \
+         most, and compliance over its square must be finite; use longer substeps, shorter frames \
+         or less compliance",
         crate::SolverParams::MIN_SUBSTEP
     )]
     SubstepTooShort {

@@ -228,8 +228,7 @@ impl GlobalStep {
         constants: &StepConstants,
     ) {
         let objective = Objective::new(sets, Compliances::new(constants));
-        let kept = constants.velocity_factor * constants.h;
-        let fall = constants.gravity_step.map(|g| f64::from(g * kept));
+        let fall = (constants.gravity_step).map(|g| f64::from(g * constants.h));
         let pieces = &mut self.pieces;
         let start = (fall, pieces, self.iterations);
         self.minimizer.begin(particles, &objective, start);

@@ -10,6 +10,9 @@ pub(crate) struct Particles {
     pub(crate) mass: Vec<f32>,
     /// Velocity [m/s], last component 0, shape [vertex slots].
     pub(crate) velocities: Vec<[f32; 4]>,
+    /// Displacement by constraints, without contacts and colliders, in the last substep \[m\], last
+    /// component 0, shape [vertex slots].
+    pub(crate) corrections: Vec<[f32; 4]>,
     /// Pinned vertices, ascending.
     pub(crate) pins: Vec<Pin>,
 }
@@ -29,6 +32,7 @@ impl Particles {
     pub(crate) fn new(mass: Vec<f32>) -> Self {
         Self {
             velocities: vec![[0.0; 4]; mass.len()],
+            corrections: vec![[0.0; 4]; mass.len()],
             mass,
             pins: Vec::new(),
         }
@@ -61,17 +65,22 @@ impl Particles {
     pub(crate) fn resize(&mut self, slots: usize) {
         self.mass.resize(slots, 0.0);
         self.velocities.resize(slots, [0.0; 4]);
+        self.corrections.resize(slots, [0.0; 4]);
     }
 
     /// Allocates room for more vertices.
     pub(crate) fn reserve(&mut self, vertices: usize) {
         self.mass.reserve(vertices);
         self.velocities.reserve(vertices);
+        self.corrections.reserve(vertices);
     }
 
     /// Returns the allocated size in elements.
     pub(crate) fn capacity(&self) -> usize {
-        self.mass.capacity() + self.velocities.capacity() + self.pins.capacity()
+        self.mass.capacity()
+            + self.velocities.capacity()
+            + self.corrections.capacity()
+            + self.pins.capacity()
     }
 }
 

@@ -27,7 +27,7 @@ use crate::step::island::{Island, IslandError};
 use crate::step::params::{SolverParams, StepStats};
 use crate::step::plan::StepPlan;
 use crate::step::prepare::{FrameInputs, prepare, takes_global_step};
-use crate::step::substeps::{Lengths, substeps};
+use crate::step::substeps::{Lengths, Substeps, parts};
 use incise_mesh::Surface;
 
 /// Steps one surface by position based dynamics.
@@ -171,16 +171,26 @@ impl Solver {
         }
     }
 
-    /// Returns the number of substeps of a frame of `dt` \[s\], at least that of the parameters.
-    pub(crate) fn needed_substeps(&mut self, dt: f32, params: &SolverParams) -> u32 {
+    /// Returns the substeps of a frame of `dt` \[s\], and the time that it leaves in substeps.
+    pub(crate) fn substeps_of(&self, dt: f32, params: &SolverParams) -> (Substeps, f64) {
+        Substeps::of_frame(self.step.time_left, dt, params)
+    }
+
+    /// Sets the time that a frame leaves to the next one, in substeps.
+    pub(crate) fn set_time_left(&mut self, time: f64) {
+        self.step.time_left = time;
+    }
+
+    /// Returns the number of parts of a substep of `h` \[s\] that the body needs.
+    pub(crate) fn needed_parts(&mut self, h: f32, params: &SolverParams) -> u32 {
         if self.constraints.colliders.planes().is_empty() || takes_global_step(&self.step, params) {
-            return params.substeps;
+            return 1;
         }
         let body = Lengths {
             edge: self.known_mean_rest_length(),
             thickness: self.constraints.volumes.least_thickness(),
         };
-        substeps(dt, params, body)
+        parts(h, params, body)
     }
 
     /// Returns the mean rest length of edges \[m\]. O(n) in the first frame after an edit.
@@ -209,7 +219,7 @@ impl Solver {
             ..
         } = self;
         let constants = prepare(step, constraints, particles, material, frame, params)?;
-        step.substeps = constants.substeps;
+        step.substeps = frame.substeps;
         Ok(constants)
     }
 
@@ -227,10 +237,16 @@ impl Solver {
 
     /// Returns the number of substeps of the last frame, on the CPU or a GPU.
     ///
-    /// It may exceed [`SolverParams::substeps`].
+    /// It is 0 for a frame that is shorter than the rest of a [substep](SolverParams::substep).
     #[must_use]
     pub fn substeps(&self) -> u32 {
-        self.step.substeps
+        self.step.substeps.count
+    }
+
+    /// Returns the length of the substeps of the last frame, on the CPU or a GPU \[s\].
+    #[must_use]
+    pub fn substep(&self) -> f32 {
+        self.step.substeps.h
     }
 
     /// Returns the statistics of the last step on the CPU.

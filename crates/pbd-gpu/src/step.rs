@@ -21,6 +21,7 @@ pub(crate) mod sweep;
 use params::StepStats;
 use plan::StepPlan;
 use second_order::History;
+use substeps::Substeps;
 
 #[cfg(feature = "global")]
 use crate::global::GlobalStep;
@@ -36,12 +37,12 @@ pub(crate) enum GlobalStep {}
 pub(crate) struct StepState {
     pub(crate) plan: StepPlan,
     pub(crate) history: History,
-    /// Longest recent substep, which decays over frames \[s\].
-    pub(crate) longest_substep: f32,
+    /// Time that the last frame left to the next one, in substeps, 0 to 1.
+    pub(crate) time_left: f64,
     /// Mean rest length of edges \[m\], once it is needed after a change of topology.
     pub(crate) mean_rest_length: Option<f64>,
     /// Substeps of the last frame.
-    pub(crate) substeps: u32,
+    pub(crate) substeps: Substeps,
     pub(crate) stats: StepStats,
     /// The global step of a body that takes it when it touches nothing.
     #[cfg(any(feature = "global", feature = "serde"))]

@@ -30,7 +30,7 @@ def test_a_weightless_body_stays_where_it_is(sphere: incise.Mesh) -> None:
 
 
 def test_a_free_body_falls_as_in_a_vacuum(sphere: incise.Mesh) -> None:
-    scene = incise.Scene(gravity=(0, -10, 0), dt=0.01, substeps=10)
+    scene = incise.Scene(gravity=(0, -10, 0), dt=0.01, substep=0.001)
     body = scene.add_body(sphere, "shell")
     for _ in range(20):
         scene.step()
@@ -214,7 +214,7 @@ def test_unknown_numbers_are_refused(sphere: incise.Mesh) -> None:
 
 def test_other_threads_run_during_a_step(bunny: incise.Mesh) -> None:
     """A step of many substeps must not hold the interpreter: the thread would never start."""
-    scene = incise.Scene(substeps=2000)
+    scene = incise.Scene(substep=1 / 120_000)
     scene.add_body(bunny)
     is_stepping, counted = threading.Event(), [0]
 

@@ -91,7 +91,7 @@ def test_a_ray_hits_the_nearest_face(sphere: incise.Mesh) -> None:
 
 
 def test_changed_parameters_are_those_of_a_new_scene(sphere: incise.Mesh) -> None:
-    new: Any = {"dt": 0.01, "substeps": 4, "iterations": 2, "gravity": [0, -1, 0]}
+    new: Any = {"dt": 0.01, "substep": 0.0025, "iterations": 2, "gravity": [0, -1, 0]}
     changed, made = incise.Scene(), incise.Scene(**new)
     changed.set_params(**new)
     for scene in (changed, made):
@@ -120,8 +120,8 @@ def test_a_refused_parameter_changes_nothing(sphere: incise.Mesh) -> None:
     scene = incise.Scene(gravity=(0, 0, 0), dt=0.01)
     body = scene.add_body(sphere)
     before = scene.save()
-    with pytest.raises(incise.Error, match="substeps"):
-        scene.set_params(dt=0.5, gravity=(0, -9, 0), substeps=0)
+    with pytest.raises(incise.Error, match="substep"):
+        scene.set_params(dt=0.5, gravity=(0, -9, 0), substep=0)
     assert scene.save() == before
     with pytest.raises(incise.SceneError, match="friction"):
         scene.set_material(body, damping=1.0, friction=-1.0)
@@ -273,12 +273,12 @@ def test_numbers_that_are_not_finite_are_refused_at_the_call(
     [
         ({"threads": 0}, "threads is 0; it must be a finite number of at least 1"),
         ({"threads": -2}, "threads is -2"),
-        ({"substeps": -1}, "substeps is -1; it must be from 1 to 1048576"),
+        ({"substep": -1}, "substep is -1; it must be a finite number above 0"),
         ({"iterations": 2**40}, "iterations is 1099511627776"),
-        ({"substeps": 1 << 21}, "substeps is 2097152; it must be from 1"),
+        ({"iterations": 1 << 21}, "iterations is 2097152; it must be from 1 to 1048576"),
     ],
 )
-def test_counts_out_of_range_name_the_argument(options: Any, text: str) -> None:
+def test_numbers_out_of_range_name_the_argument(options: Any, text: str) -> None:
     with pytest.raises(incise.Error, match=text):
         incise.Scene(**options)
     with pytest.raises(ValueError, match=text):
@@ -291,7 +291,7 @@ def test_unknown_options_of_a_scene_list_those_of_a_scene() -> None:
     for call in (lambda: incise.Scene(**misspelled), lambda: scene.set_params(**misspelled)):
         with pytest.raises(TypeError, match="'residal'; the names are dt.*residual.*level"):
             call()
-    with pytest.raises(TypeError, match="substeps is '1.5'; it must be a whole number"):
-        incise.Scene(substeps=1.5)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="iterations is '1.5'; it must be a whole number"):
+        incise.Scene(iterations=1.5)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="sleep is 'no'; it must be true, false"):
         incise.Scene(sleep="no")  # type: ignore[arg-type]

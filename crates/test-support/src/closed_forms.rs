@@ -42,21 +42,22 @@ pub const CASES: [(&str, Case); 10] = [
     ),
 ];
 
-/// Returns parameters without gravity.
+/// Returns parameters of implicit Euler, without gravity and with one substep per frame.
 #[must_use]
-pub fn still(iterations: u32, substeps: u32) -> SolverParams {
+pub fn still(iterations: u32) -> SolverParams {
     SolverParams {
         iterations,
-        substeps,
+        substep: None,
+        lift: 0.0,
         gravity: [0.0; 3],
         ..SolverParams::default()
     }
 }
 
-fn falling(iterations: u32, substeps: u32) -> SolverParams {
+fn falling(iterations: u32) -> SolverParams {
     SolverParams {
         gravity: [0.0, -G as f32, 0.0],
-        ..still(iterations, substeps)
+        ..still(iterations)
     }
 }
 
@@ -141,7 +142,7 @@ fn free_fall(advance: Advance<'_>) {
             &mut surface,
             &mut solver,
             1.0 / 60.0,
-            &falling(1, substeps),
+            &falling(1).with_substeps(1.0 / 60.0, substeps),
             frames,
         );
         let n = f64::from(frames * substeps);
@@ -167,7 +168,7 @@ fn spring(advance: Advance<'_>) {
     let stiff = 1.0 + f64::from(h).powi(2) * 2.0 / f64::from(compliance * mass);
     let (mut before, mut expected) = (f64::from(1.1_f32) - 1.0, f64::from(1.1_f32) - 1.0);
     for step in 0..100 {
-        advance(&mut surface, &mut solver, h, &still(20, 1), 1);
+        advance(&mut surface, &mut solver, h, &still(20), 1);
         (before, expected) = (expected, (2.0 * expected - before) / stiff);
         let found = surface.position(end).x - 1.0;
         assert!(
@@ -184,7 +185,7 @@ fn quarter(advance: Advance<'_>, h: f64) -> f64 {
     hold(&mut surface, &mut solver, [0, 1]);
     let mut last = 1.0;
     let time = (0..10_000).find_map(|step| {
-        advance(&mut surface, &mut solver, h as f32, &falling(20, 1), 1);
+        advance(&mut surface, &mut solver, h as f32, &falling(20), 1);
         let x = surface.position(VertexId(2)).x;
         let before = std::mem::replace(&mut last, x);
         (x <= 0.0).then(|| h * (f64::from(step) + before / (before - x)))
@@ -221,7 +222,7 @@ fn spin(advance: Advance<'_>) {
             .set_velocity(VertexId(v), velocity)
             .expect("a vertex");
     }
-    advance(&mut surface, &mut solver, h, &still(100, 1), steps);
+    advance(&mut surface, &mut solver, h, &still(100), steps);
     let mut phi = (f64::from(h * speed)).atan();
     let mut turn = phi;
     for _ in 1..steps {
@@ -252,7 +253,7 @@ fn chain(advance: Advance<'_>) {
     let (mut surface, mut solver) = body(&points, &faces, &edges(compliance, 20.0));
     weigh(&mut surface, &mut solver, mass);
     hold(&mut surface, &mut solver, [0, 1]);
-    advance(&mut surface, &mut solver, 1.0 / 60.0, &falling(20, 16), 240);
+    advance(&mut surface, &mut solver, 1.0 / 60.0, &falling(20).with_substeps(1.0 / 60.0, 16), 240);
     for upper in 0..2 * links {
         let [p, q] = [upper, upper + 2].map(|v| surface.position(VertexId(v)));
         let found = (p - q).norm() - f64::from(length);
@@ -285,7 +286,7 @@ fn catenary(advance: Advance<'_>) {
     }
     weigh(&mut surface, &mut solver, 0.1);
     hold(&mut surface, &mut solver, [0, 1, 2 * links, 2 * links + 1]);
-    advance(&mut surface, &mut solver, 1.0 / 60.0, &falling(40, 16), 240);
+    advance(&mut surface, &mut solver, 1.0 / 60.0, &falling(40).with_substeps(1.0 / 60.0, 16), 240);
     let joint =
         |i: u32| (surface.position(VertexId(2 * i)) + surface.position(VertexId(2 * i + 1))) / 2.0;
     // The slopes of equal links with equal weights between them grow by the same from one to the

@@ -29,7 +29,8 @@ pub fn with_most_features() -> (Material, SolverParams) {
     };
     let params = SolverParams {
         iterations: 2,
-        substeps: 3,
+        substep: Some(1.0 / 180.0),
+        lift: 0.48,
         ..SolverParams::paper()
     };
     (material, params)

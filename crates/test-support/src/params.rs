@@ -5,7 +5,8 @@ use incise_pbd_gpu::{Collider, MovingCollider, Solver, SolverParams};
 /// Ten iterations of one substep, which is harder than the default.
 pub const TEN_ITERATIONS: SolverParams = SolverParams {
     iterations: 10,
-    substeps: 1,
+    substep: None,
+    lift: 0.0,
     gravity: [0.0, -9.81, 0.0],
     diagonal_scale: 0.5,
     attachments: true,

@@ -35,7 +35,7 @@ fn projected(advance: Advance<'_>, held: bool, iterations: u32, diagonal_scale: 
     surface.positions_mut()[1][0] = 1.0 + OFF;
     let params = SolverParams {
         diagonal_scale,
-        ..still(iterations, 1)
+        ..still(iterations)
     };
     advance(&mut surface, &mut solver, H, &params, 1);
     let [a, b] = [0, 1].map(|v| surface.position(VertexId(v)).x);
@@ -112,7 +112,7 @@ fn angular_momentum(advance: Advance<'_>) {
         let about = center.into();
         for step in 0..10 {
             let before = solver.angular_momentum(&surface, about)[2];
-            advance(&mut surface, &mut solver, h, &still(60, 1), 1);
+            advance(&mut surface, &mut solver, h, &still(60), 1);
             let change = solver.angular_momentum(&surface, about)[2] - before;
             let forces = spring_forces(&surface, &solver, 1.0);
             let turned = surface.topology().vertices().map(|v| {
@@ -162,7 +162,7 @@ fn energy(advance: Advance<'_>) {
     let first = of(&surface, &solver);
     let mut last = first;
     for step in 0..100 {
-        advance(&mut surface, &mut solver, 0.01, &still(100, 1), 1);
+        advance(&mut surface, &mut solver, 0.01, &still(100), 1);
         let now = of(&surface, &solver);
         assert!(
             now <= last + 1e-6 * first,

@@ -123,10 +123,11 @@ fn compliances(runner: &Runner) -> Vec<Run> {
         ways.map(|(iterations, substeps, diagonal_scale)| {
             let params = SolverParams {
                 iterations,
-                substeps,
                 diagonal_scale,
+                lift: SolverParams::default().lift,
                 ..TEN_ITERATIONS
             };
+            let params = params.with_substeps(FRAME, substeps);
             let material = elastic_shell(stretch, bending);
             Run::new(
                 format!(
@@ -188,9 +189,9 @@ fn fall(runner: &Runner, distance: f64, substeps: u32) -> Found<[f64; 1]> {
     let mut body = runner.body(surface, &elastic_shell(1e3, 1e3))?;
     let params = SolverParams {
         iterations: 1,
-        substeps,
         ..TEN_ITERATIONS
     };
+    let params = params.with_substeps(FRAME, substeps);
     body.advance(FRAME, &params, 60)?;
     let n = 60.0 * f64::from(substeps);
     let h = f64::from(FRAME) / f64::from(substeps);

@@ -62,7 +62,8 @@ pub(super) const CASES: [Case; 6] = [
 /// The solver's default substeps.
 const SUBSTEPS: SolverParams = SolverParams {
     iterations: 1,
-    substeps: 16,
+    substep: Some(1.0 / 720.0),
+    lift: 0.48,
     ..TEN_ITERATIONS
 };
 /// Radius of balls \[m\].

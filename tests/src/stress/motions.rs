@@ -359,11 +359,12 @@ fn random_bodies(runner: &mut Runner<'_>) {
         };
         let params = SolverParams {
             iterations: if random.signed() > 0.0 { 1 } else { 10 },
-            substeps: if random.signed() > 0.0 { 1 } else { 5 },
             ..TEN_ITERATIONS
         };
+        let substeps = if random.signed() > 0.0 { 1 } else { 5 };
         let is_on_ground = random.signed() > 0.0;
         let dt = random.log(1e-3, 1.0 / 30.0);
+        let params = params.with_substeps(dt, substeps);
         let mut body = Body::new(surface, &material);
         if is_on_ground {
             body.put_on_ground();

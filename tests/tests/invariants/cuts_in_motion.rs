@@ -224,11 +224,12 @@ fn random_body(seed: u64) {
     };
     let params = SolverParams {
         iterations: [1, 10][random.below(2)],
-        substeps: [1, 5][random.below(2)],
         ..TEN_ITERATIONS
     };
+    let substeps = [1, 5][random.below(2)];
     let is_on_ground = random.below(2) == 1;
     let dt = random.log(1e-3, 1.0 / 30.0);
+    let params = params.with_substeps(dt, substeps);
     let mut body = Body::new(surface, &material);
     if is_on_ground {
         set_ground(&mut body.solver, 0.0);

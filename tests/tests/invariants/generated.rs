@@ -133,7 +133,7 @@ const INTRODUCTION: &str = "\
 Made from the declarations in Rust by `INCISE_UPDATE=1 cargo test -p incise-tests generated`.
 
 A name may leave out leading parts, and have underscores or dashes in place of dots:
-`solver.substeps` is also `substeps`, and `cut.refine.level` is `refine_level`. A parameter that
+`solver.substep` is also `substep`, and `cut.refine.level` is `refine_level`. A parameter that
 is on or off is set by true and false, by `NAME.enabled`, or by its own parameters, which switch it
 on. What is switched off stays off beside its own parameters. `none` switches off a value that is
 optional; in files it is the text `\"none\"`. Two names of one parameter are refused. Lists are
@@ -141,13 +141,13 @@ three numbers. Options of the command line have the shortest name only.
 
 | where | how |
 |---|---|
-| Rust | fields of the structs, or `Params::set(\"solver.substeps\", ..)` |
-| scene files | keys: `substeps = 8`, `[solver]` with `substeps = 8`, `[contacts]` |
-| command line | `--substeps 8 --contacts-thickness 0.2`; also `cut`, `render` and `fill` |
-| Python | `Scene(substeps=8, contacts={\"thickness\": 0.2})`, `mesh.cut(normal, snap=0.2)` |
-| JavaScript | `scene.set({ substeps: 8, contacts: { thickness: 0.2 } })` |
-| C | `incise_scene_set_number(scene, \"solver.substeps\", 8)`, `incise_body_set(..)` |
-| C# | `scene.Set(SceneParameter.SolverSubsteps, 8)` |
+| Rust | fields of the structs, or `Params::set(\"solver.substep\", ..)` |
+| scene files | keys: `substep = 0.002`, `[solver]` with `substep = 0.002`, `[contacts]` |
+| command line | `--substep 0.002 --contacts-thickness 0.2`; also `cut`, `render` and `fill` |
+| Python | `Scene(substep=0.002, contacts={\"thickness\": 0.2})`, `mesh.cut(normal, snap=0.2)` |
+| JavaScript | `scene.set({ substep: 0.002, contacts: { thickness: 0.2 } })` |
+| C | `incise_scene_set_number(scene, \"solver.substep\", 0.002)`, `incise_body_set(..)` |
+| C# | `scene.Set(SceneParameter.SolverSubstep, 0.002)` |
 
 ";
 

@@ -21,7 +21,8 @@ pub(super) struct Report {
     pub(super) frames: u32,
     pub(super) dt: f64,
     pub(super) iterations: u32,
-    pub(super) substeps: u32,
+    /// Length of a substep \[s\]; none for one per frame.
+    pub(super) substep: Option<f32>,
     /// Triangles that the sweep crosses; none without a cut.
     pub(super) hits: Option<usize>,
     /// A message for every cut that could not be made.

@@ -74,7 +74,7 @@ fn the_examples_run() {
 #[test]
 fn a_file_and_options_give_the_same_bytes() {
     let (folder, file) = scene(
-        "seconds = 0.3\ndt = 0.01\nsubsteps = 4\n\
+        "seconds = 0.3\ndt = 0.01\nsubstep = 0.0025\n\
          [materials.own]\npreset = \"limp-shell\"\nvolume = {}\n\
          interior_springs = { density = 0.5 }\n\
          [[bodies]]\nmesh = \"Sphere80\"\nmaterial = \"own\"\n\
@@ -87,11 +87,11 @@ fn a_file_and_options_give_the_same_bytes() {
     let of_file = report(&incise(&["simulate", text(&file), "--json"]));
     let out = folder.path().join("of_options");
     let words = "simulate Sphere80 Sphere20 --offset 0,0,0 --offset 0,1.05,0 --seconds 0.3 \
-                 --dt 1/100 --substeps 4 --ground -0.6 --volume --interior-springs 0.5 \
+                 --dt 1/100 --substep 0.0025 --ground -0.6 --volume --interior-springs 0.5 \
                  --plane 1,0,0.1,0 --at 0.1 --plane 0,0.1,1,0 --at 0.2 --format ply --json -o";
     let words: Vec<&str> = words.split_whitespace().chain([text(&out)]).collect();
     let of_options = report(&incise(&words));
-    for key in ["inputs", "frames", "dt", "substeps", "hits", "steps"] {
+    for key in ["inputs", "frames", "dt", "substep", "hits", "steps"] {
         assert_eq!(of_file[key], of_options[key], "{key}");
     }
     let of_file = files(&folder.path().join("of_file"));
@@ -193,8 +193,8 @@ fn errors_name_the_line_and_write_nothing() {
             "line 3: there is no parameter 'springs'; the names are density, stretch",
         ),
         (
-            format!("seconds = 1\nsubsteps = 0\n{body}"),
-            "line 2: solver.substeps is 0; it must be from 1 to 1048576",
+            format!("seconds = 1\nsubstep = 0\n{body}"),
+            "line 2: solver.substep is 0; it must be a finite number above 0",
         ),
         (
             format!("seconds = 1\n[materials.unused]\nfriction = -1\n{body}"),
@@ -212,16 +212,16 @@ fn errors_name_the_line_and_write_nothing() {
             "line 2: cut.refine.level.z is 0; it must be",
         ),
         (
-            format!("seconds = 1\nsubsteps = 4\n{body}[solver]\nsubsteps = 16\n"),
-            "line 6: 'solver.substeps' and 'substeps' are the same parameter",
+            format!("seconds = 1\nsubstep = 0.004\n{body}[solver]\nsubstep = 0.002\n"),
+            "line 6: 'solver.substep' and 'substep' are the same parameter",
         ),
         (
             format!("seconds = 1\n{body}[contacts]\nthickness = 200\n"),
             "line 5: contacts.thickness is 200; it must be above 0 and at most 100",
         ),
         (
-            format!("seconds = 1\nsubstep = 4\n{body}"),
-            "line 2: there is no parameter 'substep'; the names are dt, solver.iterations",
+            format!("seconds = 1\nsubsteps = 4\n{body}"),
+            "line 2: there is no parameter 'substeps'; the names are dt, solver.iterations",
         ),
         (
             format!(

@@ -50,8 +50,8 @@ fn free_fall_equals_its_closed_form() {
         "0.5",
         "--dt",
         "1/100",
-        "--substeps",
-        "4",
+        "--substep",
+        "0.0025",
         "-o",
         text(&out),
     ]);

@@ -128,8 +128,8 @@ fn numbers_out_of_range_are_refused() {
             "'-1' is not 0, a pos",
         ),
         (
-            "--seconds 1 --substeps -2",
-            "solver.substeps is -2; it must be from 1 to",
+            "--seconds 1 --substep -2",
+            "solver.substep is -2; it must be a finite number above 0",
         ),
         (
             "--seconds 1 --iterations 0",

@@ -61,13 +61,15 @@ pub(super) fn by_patches(
     let model = Model::of(&body.solver, &body.surface, params)?;
     let start = State::of(&body.solver, &body.surface);
     let stepper = PatchStepper::new(&model, &start.x)?;
-    let h = f64::from(DT) / f64::from(params.substeps);
+    let substep = params.substep.unwrap_or(DT);
+    let substeps = (DT / substep).round() as u32;
+    let h = f64::from(DT) / f64::from(substeps);
     repeated(|run| {
         let is_first = run.states.is_empty();
         let mut state = start.clone();
         for _ in 0..frames {
             run.frames.time(|| {
-                for _ in 0..params.substeps {
+                for _ in 0..substeps {
                     stepper.step(&mut state, h, params.iterations);
                 }
                 Ok::<(), ReferenceError>(())

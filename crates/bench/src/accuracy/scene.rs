@@ -1,6 +1,6 @@
 //! A scene for the solver and the reference: body, initial motion, pins and schemes.
 
-use crate::motion::Body;
+use crate::motion::{Body, DT};
 use clap::ValueEnum;
 use incise_cut::{CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, VertexId};
@@ -15,7 +15,7 @@ use std::error::Error;
 pub(super) enum Scheme {
     /// XPBD with compliances.
     Xpbd,
-    /// XPBD with a diagonal scale of 0.5.
+    /// XPBD with a diagonal scale of 0.5 and the default lift.
     XpbdHalf,
     /// XPBD with a diagonal scale of 0.5 and BDF2 substeps.
     XpbdHalfBdf2,
@@ -106,6 +106,10 @@ impl Scene {
                 _ => incise_pbd_gpu::Scheme::Sweeps,
             },
             integrator: scheme.integrator(),
+            lift: match scheme {
+                Scheme::XpbdHalf => SolverParams::default().lift,
+                _ => 0.0,
+            },
             ..self.params(substeps, iterations)
         }
     }
@@ -114,10 +118,10 @@ impl Scene {
     pub(super) fn params(&self, substeps: u32, iterations: u32) -> SolverParams {
         SolverParams {
             iterations,
-            substeps,
             gravity: self.gravity,
             ..SolverParams::paper()
         }
+        .with_substeps(DT, substeps)
     }
 
     /// Returns the body at the start, with compliances.

@@ -21,9 +21,9 @@ pub struct SceneParams {
     pub dt: f32,
     /// Gravitational acceleration in meters per second squared; 0, -9.81, 0 by default.
     pub gravity: [f32; 3],
-    /// Substeps per frame.
-    pub substeps: u32,
-    /// Projections of every constraint per substep.
+    /// Length of a substep in seconds; 0 for one substep per frame.
+    pub substep: f32,
+    /// Iterations per substep; each one projects every constraint forward and back.
     pub iterations: u32,
     /// Maximum number of threads; 0 for all. The results do not depend on it.
     pub threads: u32,
@@ -54,7 +54,7 @@ impl From<&scene::SceneParams> for SceneParams {
         Self {
             dt: params.dt,
             gravity: solver.gravity,
-            substeps: solver.substeps,
+            substep: solver.substep.unwrap_or_default(),
             iterations: solver.iterations,
             threads: crate::memory::count(threads),
             contacts: u32::from(params.contacts.is_some()),
@@ -80,7 +80,7 @@ impl SceneParams {
             dt: self.dt,
             solver: pbd::SolverParams {
                 gravity: self.gravity,
-                substeps: self.substeps,
+                substep: (self.substep != 0.0).then_some(self.substep),
                 iterations: self.iterations,
                 threads: NonZeroUsize::new(self.threads as usize),
                 ..base.solver

@@ -246,8 +246,8 @@ static void scenes(void) {
     EXPECT(incise_scene_set_params(scene, &params), INVALID_ARGUMENT, "gravity");
     params = valid, params.cut.grading = NAN;
     EXPECT(incise_scene_set_params(scene, &params), INVALID_ARGUMENT, "grading");
-    params = valid, params.substeps = UINT32_MAX;
-    EXPECT(incise_scene_set_params(scene, &params), INVALID_ARGUMENT, "substeps");
+    params = valid, params.substep = -1;
+    EXPECT(incise_scene_set_params(scene, &params), INVALID_ARGUMENT, "substep");
     OK(incise_scene_set_params(scene, &valid));
     OK(incise_scene_step(scene, NULL));
     saved(scene, body);

@@ -32,10 +32,6 @@ pub struct Contact {
     pub friction: f32,
     /// The feature whose piece is carried by the piece of the other feature.
     pub carried: SupportedSide,
-    /// Whether both features belong to one piece; false unless the caller sets it.
-    ///
-    /// With other contacts of two features, the bodies project lengths forward and back.
-    pub is_fold: bool,
     /// How one piece presses the other; nothing unless the caller sets it.
     pub press: LoadRatio,
     /// Where friction held the features before; none for features that have not touched.
@@ -150,7 +146,6 @@ impl Contact {
             gap_rate: 0.0,
             friction: 0.0,
             carried: SupportedSide::Neither,
-            is_fold: false,
             press: LoadRatio::NONE,
             held: None,
         }
@@ -171,7 +166,6 @@ impl Contact {
             gap_rate: 0.0,
             friction: 0.0,
             carried: SupportedSide::Neither,
-            is_fold: false,
             press: LoadRatio::NONE,
             held: None,
         }
@@ -190,7 +184,6 @@ impl Contact {
             gap_rate: 0.0,
             friction: 0.0,
             carried: SupportedSide::Neither,
-            is_fold: false,
             press: LoadRatio::NONE,
             held: None,
         }

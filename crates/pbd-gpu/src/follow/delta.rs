@@ -73,7 +73,8 @@ impl FollowState {
         } = scratch;
         let mut pins_changed = false;
         let mut update_particles = || {
-            interpolate_velocities(particles, delta);
+            interpolate(&mut particles.velocities, delta);
+            interpolate(&mut particles.corrections, delta);
             pins_changed = dropped_pins.restore_pins(particles, delta, restored);
             *is_late_undo = mass_transfer.run(particles, undo, surface, delta);
             pins_changed |= dropped_pins.drop_pins(particles, surface, delta);
@@ -180,16 +181,16 @@ fn update_edge_constraints(
     edges.add_missing(lists, surface, &mut sets);
 }
 
+/// Interpolates the vectors of added vertices.
 #[expect(
     clippy::cast_possible_truncation,
-    reason = "an interpolated velocity is rounded once to storage"
+    reason = "an interpolated number is rounded once to storage"
 )]
-fn interpolate_velocities(particles: &mut Particles, delta: &TopologyDelta) {
-    let velocities = &mut particles.velocities;
+fn interpolate(vectors: &mut [[f32; 4]], delta: &TopologyDelta) {
     for added in &delta.vertices_added {
-        let velocity = added
+        let vector = added
             .origin
-            .interpolate(|v| velocities.get(v.index()).copied().unwrap_or_default());
-        velocities[added.vertex.index()] = velocity.map(|c| c as f32);
+            .interpolate(|v| vectors.get(v.index()).copied().unwrap_or_default());
+        vectors[added.vertex.index()] = vector.map(|c| c as f32);
     }
 }

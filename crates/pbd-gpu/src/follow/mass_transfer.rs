@@ -79,6 +79,7 @@ impl MassTransfer {
         for v in affected.deleted() {
             particles.mass[v.index()] = 0.0;
             particles.velocities[v.index()] = [0.0; 4];
+            particles.corrections[v.index()] = [0.0; 4];
         }
         if !is_undo {
             undo.record_after(particles, surface, delta, affected);

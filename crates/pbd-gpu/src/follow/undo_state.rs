@@ -10,13 +10,14 @@ use incise_mesh::{Surface, TopologyDelta, VertexId};
 /// Maximum depth of the undo stack.
 const MAX_DEPTH: usize = 64;
 
-/// Bits of mass \[kg\] and velocity [m/s] of a vertex.
+/// Bits of mass \[kg\], velocity [m/s] and last correction \[m\] of a vertex.
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct VertexState {
     vertex: VertexId,
     mass: u32,
     velocity: [u32; 4],
+    correction: [u32; 4],
 }
 
 /// The affected vertices of an edit before and after it.
@@ -50,7 +51,7 @@ impl UndoStack {
             is_slot(state.vertex)
                 && is_finite(state.mass)
                 && f32::from_bits(state.mass) >= 0.0
-                && state.velocity.iter().all(|&bits| is_finite(bits))
+                && (state.velocity.iter().chain(&state.correction)).all(|&bits| is_finite(bits))
         };
         self.0.len() <= MAX_DEPTH && (self.0.iter()).all(|state| state.before.iter().all(is_state))
     }
@@ -80,6 +81,7 @@ impl UndoStack {
                 vertex,
                 mass: particles.mass.get(vertex.index())?.to_bits(),
                 velocity: particles.velocities.get(vertex.index())?.map(f32::to_bits),
+                correction: particles.corrections.get(vertex.index())?.map(f32::to_bits),
             })
         });
         let before = before.collect();
@@ -135,6 +137,7 @@ impl UndoStack {
             let v = state.vertex;
             particles.mass[v.index()] = f32::from_bits(state.mass);
             particles.velocities[v.index()] = state.velocity.map(f32::from_bits);
+            particles.corrections[v.index()] = state.correction.map(f32::from_bits);
         }
         true
     }

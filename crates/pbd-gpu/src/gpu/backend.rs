@@ -5,7 +5,7 @@ use super::arena::Arena;
 use super::body::{Arenas, DeviceBody, POSITIONS};
 use super::context::Context;
 use super::error::GpuError;
-use super::layout::{BodyRecord, RUNS_PER_BODY, Report, Run};
+use super::layout::{BodyRecord, Motion, RUNS_PER_BODY, Report, Run};
 use super::pipelines::Pipelines;
 use super::program::Program;
 use super::readback::Readback;
@@ -139,7 +139,7 @@ impl GpuBackend {
     pub fn from_context(context: Context) -> Result<Self, GpuError> {
         let vertices = [
             ("positions", 16, true),
-            ("velocities", 16, true),
+            ("motions", size_of::<Motion>() as u64, true),
             ("displacements", 16, false),
         ];
         let bodies = [

@@ -4,9 +4,9 @@ use super::arena::{Arena, with_slack};
 use super::contacts::DeviceContacts;
 use super::context::Context;
 use super::error::GpuError;
-use super::layout::{BodyRecord, PATCH_LAYERS, RUN_COLORS, RUN_STRIDE, Run};
+use super::layout::{BodyRecord, Motion, PATCH_LAYERS, RUN_COLORS, RUN_STRIDE, Run};
 use super::patch_blocks::Blocks;
-use super::records::{Places, body_record, inverse_mass, position};
+use super::records::{Places, body_record, inverse_mass, motion, position};
 use super::runs::Runs;
 use super::stats::Schedule;
 use super::upload::{Target, Uploads};
@@ -27,7 +27,7 @@ use std::ops::Range;
 /// The buffers that all bodies share.
 #[derive(Debug)]
 pub(super) struct Arenas {
-    /// Positions, velocities, displacements.
+    /// Positions, motions, displacements.
     pub(super) vertices: Arena,
     /// Constraints, pins and attachments, in entries of 8 bytes.
     pub(super) entries: Arena,
@@ -36,7 +36,7 @@ pub(super) struct Arenas {
 }
 
 pub(super) const POSITIONS: usize = 0;
-pub(super) const VELOCITIES: usize = 1;
+pub(super) const MOTIONS: usize = 1;
 pub(super) const DISPLACEMENTS: usize = 2;
 pub(super) const RECORDS: usize = 0;
 pub(super) const RUN_TABLES: usize = 1;
@@ -152,7 +152,7 @@ impl DeviceBody {
             colors.sum::<u64>() + u64::from(runs.overflow_len())
         });
         let [stretch, bending, springs] = colors_of;
-        let colors = (stretch + springs) * (1 + u64::from(plan.sweeps_back())) + bending;
+        let colors = 2 * (stretch + springs + bending);
         let vertices = per_lane(self.vertex_count);
         let places = &self.volumes.places;
         // Two traversals of the fan of every vertex, its motion, and reduction trees.
@@ -249,7 +249,7 @@ impl DeviceBody {
                 uploads.edit_vector(Target::Positions, self.vertices.start + v, value);
             }
             self.edit_masses(uploads, solver, &changes.masses);
-            self.edit_velocities(uploads, solver, &changes.velocities);
+            self.edit_motions(uploads, solver, &changes.velocities);
         }
         let entries = &mut arenas.entries;
         let colors = if self.is_divided {
@@ -303,11 +303,17 @@ impl DeviceBody {
         }
     }
 
-    /// Queues velocities that were set on the CPU side.
-    pub(super) fn edit_velocities(&self, uploads: &mut Uploads, solver: &Solver, of: &[u32]) {
+    /// Queues motions that were set on the CPU side.
+    pub(super) fn edit_motions(&self, uploads: &mut Uploads, solver: &Solver, of: &[u32]) {
         for &v in of {
-            let value = solver.velocities()[v as usize];
-            uploads.edit_vector(Target::Velocities, self.vertices.start + v, value);
+            let Motion {
+                velocity,
+                correction,
+            } = motion(solver, v);
+            // Two vectors per vertex.
+            let first = 2 * (self.vertices.start + v);
+            uploads.edit_vector(Target::Motions, first, velocity);
+            uploads.edit_vector(Target::Motions, first + 1, correction);
         }
     }
 
@@ -398,8 +404,9 @@ impl DeviceBody {
             .collect();
         let buffer = arenas.vertices.buffer(POSITIONS);
         uploads.send(context, buffer, offset, bytemuck::cast_slice(&positions));
-        let buffer = arenas.vertices.buffer(VELOCITIES);
-        let velocities = bytemuck::cast_slice(solver.velocities());
-        uploads.send(context, buffer, offset, velocities);
+        let buffer = arenas.vertices.buffer(MOTIONS);
+        let motions: Vec<Motion> = (0..self.vertex_count).map(|v| motion(solver, v)).collect();
+        let motions = bytemuck::cast_slice(&motions);
+        uploads.send(context, buffer, 2 * offset, motions);
     }
 }

@@ -45,7 +45,7 @@ impl GpuBackend {
         let set = solver.changed_velocities();
         self.take_state(body, surface, solver)?;
         for (v, velocity) in set {
-            solver.velocities_mut()[v] = velocity;
+            solver.particles_mut().velocities[v] = velocity;
         }
         Ok(true)
     }

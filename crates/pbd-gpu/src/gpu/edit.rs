@@ -1,7 +1,7 @@
 //! Uploads edits of the CPU copies of bodies: topology, constraints, pins, velocities.
 
 use super::backend::{GpuBackend, GpuBody, find_mut, number};
-use super::body::{Host, POSITIONS, VELOCITIES};
+use super::body::{Host, POSITIONS, MOTIONS};
 use super::error::GpuError;
 use super::layout::Report;
 use super::read::report_part;
@@ -129,7 +129,7 @@ impl GpuBackend {
         let gpu_body = &mut resident.body;
         solver.take_changes(changes);
         gpu_body.edit_masses(uploads, solver, &changes.masses);
-        gpu_body.edit_velocities(uploads, solver, &changes.velocities);
+        gpu_body.edit_motions(uploads, solver, &changes.velocities);
         if !changes.velocities.is_empty() {
             // A pending readback does not include them.
             self.frame += 1;
@@ -150,7 +150,7 @@ impl GpuBackend {
     pub(super) fn flush(&mut self) -> Result<(), GpuError> {
         let targets = [
             self.arenas.vertices.buffer(POSITIONS),
-            self.arenas.vertices.buffer(VELOCITIES),
+            self.arenas.vertices.buffer(MOTIONS),
             self.arenas.entries.buffer(0),
         ];
         self.uploads.flush(&self.context, targets)

@@ -75,11 +75,8 @@ pub(crate) const KEEPS_VOLUME: u32 = 4;
 /// Flag of a body whose interior spring multipliers accumulate.
 pub(crate) const KEEPS_INTERIOR_SPRINGS: u32 = 8;
 
-/// Flag of a body whose lengths are projected forward and back.
-pub(crate) const SWEEPS_BACK: u32 = 16;
-
 /// Flag of a body whose pieces meet fast in the frame.
-pub(crate) const IS_PRESSED: u32 = 32;
+pub(crate) const IS_PRESSED: u32 = 16;
 
 /// Inverse mass of an unused slot, which does not move.
 pub(crate) const UNUSED: f32 = -1.0;
@@ -97,6 +94,9 @@ macro_rules! wgsl_type {
     };
     ([f32; 3]) => {
         "vec3f"
+    };
+    ([f32; 4]) => {
+        "vec4f"
     };
     ([u32; $count:tt]) => {
         concat!("array<u32, ", stringify!($count), ">")
@@ -151,13 +151,14 @@ macro_rules! gpu_struct {
 }
 
 /// Declarations of all structs in WGSL.
-pub(crate) const STRUCTS: [&str; 6] = [
+pub(crate) const STRUCTS: [&str; 7] = [
     FrameUniform::WGSL,
     PassUniform::WGSL,
     BodyRecord::WGSL,
     Run::WGSL,
     Link::WGSL,
     Report::WGSL,
+    Motion::WGSL,
 ];
 
 gpu_struct! {
@@ -173,9 +174,13 @@ gpu_struct! {
         contact_rounds: u32,
         /// 1 if the motion of a body is measured, else 0.
         measures_motion: u32,
-        pad: [f32; 3],
+        /// Time of the frame per substep, by which colliders move \[s\].
+        collider_step: f32,
+        /// Share of the last displacement by constraints that the prediction repeats.
+        lift: f32,
         /// As in [`SolverParams`](crate::SolverParams).
         diagonal_scale: f32,
+        pad: f32,
     }
 }
 
@@ -197,7 +202,7 @@ gpu_struct! {
         with_overflow: u32,
         /// Index of the substep in the frame.
         substep: u32,
-        /// 1 if `tail` and `patches` project lengths in reverse order, else 0.
+        /// 1 if `tail` and `patches` project in reverse order, else 0.
         is_back: u32,
     }
 }
@@ -216,16 +221,12 @@ gpu_struct! {
         attachments: u32,
         stretch_factor: f32,
         stretch_alpha: f32,
-        stretch_carryover: f32,
         bending_factor: f32,
         bending_alpha: f32,
-        bending_carryover: f32,
-        /// Factor of velocities per substep, from damping.
-        velocity_factor: f32,
         /// Coulomb friction coefficient.
         friction: f32,
         /// [`KEEPS_STRETCH`], [`KEEPS_BENDING`], [`KEEPS_VOLUME`], [`KEEPS_INTERIOR_SPRINGS`] and
-        /// [`SWEEPS_BACK`], [`IS_PRESSED`].
+        /// [`IS_PRESSED`].
         flags: u32,
         /// First of its [`RUNS_PER_BODY`] runs.
         first_run: u32,
@@ -253,12 +254,10 @@ gpu_struct! {
         volume_pressure: f32,
         volume_recovery: f32,
         volume_sink: f32,
-        volume_carryover: f32,
         /// Number of colors of interior springs.
         spring_colors: u32,
         spring_factor: f32,
         spring_alpha: f32,
-        spring_carryover: f32,
         /// Number of contacts.
         contacts: u32,
         /// First entry and number of colliders.
@@ -290,6 +289,17 @@ gpu_struct! {
         first_group: u32,
         /// Index of the body.
         body: u32,
+    }
+}
+
+gpu_struct! {
+    /// The motion of a vertex.
+    struct Motion as "Motion" {
+        /// Velocity [m/s]; between prediction and integration the last component is the friction
+        /// bound of colliders \[m\].
+        velocity: [f32; 4],
+        /// Displacement by constraints in the last substep \[m\], last component 0.
+        correction: [f32; 4],
     }
 }
 

@@ -127,7 +127,6 @@ impl Compiler<'_> {
         is_back: bool,
     ) -> Option<Dispatch> {
         let lanes: Vec<(u32, u32)> = (self.by_passes())
-            .filter(|b| !is_back || b.plan.sweeps_back())
             .map(|b| (b.slot, b.body.patches(layer - 1) * self.workgroup))
             .collect();
         let pass = PassUniform {
@@ -147,7 +146,6 @@ impl Compiler<'_> {
         let before = out.len();
         let mut batches: Vec<BatchId> = run.iter().filter_map(|pass| pass.batch()).collect();
         batches.sort_unstable();
-        let is_included = |b: &&Stepped<'_>| !is_back || b.plan.sweeps_back();
         let is_large = |batch: &BatchId| {
             *batch != BatchId::Overflow
                 && (self.by_passes()).any(|b| b.body.batch_len(kind, *batch) > SMALL_COLOR)
@@ -159,7 +157,6 @@ impl Compiler<'_> {
         let (large, small) = batches.split_at(large);
         for &batch in large {
             let lanes: Vec<(u32, u32)> = (self.by_passes())
-                .filter(is_included)
                 .map(|b| (b.slot, b.body.batch_len(kind, batch)))
                 .collect();
             let kernel = match kind {
@@ -182,7 +179,6 @@ impl Compiler<'_> {
             any || with_overflow && b.body.batch_len(kind, BatchId::Overflow) > 0
         };
         let lanes: Vec<(u32, u32)> = (self.by_passes())
-            .filter(is_included)
             .map(|b| (b.slot, if holds(b) { self.workgroup } else { 0 }))
             .collect();
         let pass = PassUniform {

@@ -61,6 +61,7 @@ pub(super) struct Program {
     pub(super) bounds: [Option<Dispatch>; 2],
     pub(super) iterations: u32,
     pub(super) contact_rounds: u32,
+    /// Maximum number of substeps of a frame.
     pub(super) substeps: u32,
     pub(super) passes: Vec<PassUniform>,
     pub(super) links: Vec<Link>,
@@ -116,8 +117,8 @@ impl Program {
         compiler.program
     }
 
-    /// Returns the number of dispatches of a frame.
-    pub(super) fn dispatches(&self, with_bounds: bool) -> u32 {
+    /// Returns the number of dispatches of a frame of that many substeps.
+    pub(super) fn dispatches(&self, substeps: u32, with_bounds: bool) -> u32 {
         let count = |list: &[Dispatch]| list.len() as u64;
         let more_rounds =
             u64::from(self.contact_rounds.saturating_sub(1)) * count(&self.contact_round);
@@ -126,7 +127,7 @@ impl Program {
             + count(&self.epilogue);
         let bounds = self.bounds.iter().flatten().count() * usize::from(with_bounds);
         let once = self.whole.len() + bounds;
-        let all = u64::from(self.substeps).saturating_mul(substep);
+        let all = u64::from(substeps).saturating_mul(substep);
         u32::try_from(all.saturating_add(once as u64)).unwrap_or(u32::MAX)
     }
 

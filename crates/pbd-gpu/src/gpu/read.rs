@@ -1,7 +1,7 @@
 //! Reads states and bounding boxes of GPU bodies back to the CPU.
 
 use super::backend::{GpuBackend, GpuBody, find_mut};
-use super::body::{Arenas, POSITIONS, REPORTS, VELOCITIES};
+use super::body::{Arenas, POSITIONS, REPORTS, MOTIONS};
 use super::edit::check_slots;
 use super::error::GpuError;
 use super::layout::Report;
@@ -82,7 +82,7 @@ impl GpuBackend {
             finite(&report)?;
             let size = size_of_val(surface.positions());
             let (positions, data) = data.split_at(size);
-            let (velocities, contacts) = data.split_at(size);
+            let (motions, contacts) = data.split_at(2 * size);
             let vector = |bytes: &[u8]| bytemuck::pod_read_unaligned::<[f32; 4]>(bytes);
             for (to, from) in surface
                 .positions_mut()
@@ -92,9 +92,10 @@ impl GpuBackend {
                 let [x, y, z, _] = vector(from);
                 *to = [x, y, z, to[3]];
             }
-            for (to, from) in (solver.velocities_mut().iter_mut()).zip(velocities.chunks_exact(16))
-            {
-                *to = vector(from);
+            let particles = solver.particles_mut();
+            let to = (particles.velocities.iter_mut()).zip(&mut particles.corrections);
+            for ((velocity, correction), from) in to.zip(motions.chunks_exact(32)) {
+                (*velocity, *correction) = (vector(&from[..16]), vector(&from[16..]));
             }
             resident
                 .body
@@ -144,7 +145,7 @@ impl GpuBackend {
             let parts = [
                 report_part(&self.arenas, body.slot),
                 (self.arenas.vertices.buffer(POSITIONS), start, bytes),
-                (self.arenas.vertices.buffer(VELOCITIES), start, bytes),
+                (self.arenas.vertices.buffer(MOTIONS), 2 * start, 2 * bytes),
                 body.contacts.begin_copy(&self.arenas),
             ];
             let frame = resident.frame;

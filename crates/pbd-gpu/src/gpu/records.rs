@@ -2,7 +2,7 @@
 
 use super::layout::{
     BodyRecord, Entry, FrameUniform, IS_PRESSED, KEEPS_BENDING, KEEPS_INTERIOR_SPRINGS,
-    KEEPS_STRETCH, KEEPS_VOLUME, PATCH_LAYERS, SWEEPS_BACK, UNUSED,
+    KEEPS_STRETCH, KEEPS_VOLUME, Motion, PATCH_LAYERS, UNUSED,
 };
 use super::volumes::VolumePlaces;
 use crate::constraints::attachments::LongRangeAttachment;
@@ -58,6 +58,15 @@ pub(super) fn position(surface: &Surface, solver: &Solver, v: u32) -> [f32; 4] {
     [x, y, z, inverse_mass(solver, v)]
 }
 
+/// Returns the motion of a vertex as stored on the GPU.
+pub(super) fn motion(solver: &Solver, v: u32) -> Motion {
+    let particles = solver.particles();
+    Motion {
+        velocity: particles.velocities[v as usize],
+        correction: particles.corrections[v as usize],
+    }
+}
+
 /// Offsets of a body's data.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Places {
@@ -92,11 +101,8 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
         attachments: places.attachments,
         stretch_factor: constants.stretch.factor,
         stretch_alpha: constants.stretch.alpha,
-        stretch_carryover: constants.stretch.error_carryover,
         bending_factor: constants.bending.factor,
         bending_alpha: constants.bending.alpha,
-        bending_carryover: constants.bending.error_carryover,
-        velocity_factor: constants.velocity_factor,
         friction: constants.friction,
         flags: flag(constants.stretch.accumulates_lambda, KEEPS_STRETCH)
             | flag(constants.bending.accumulates_lambda, KEEPS_BENDING)
@@ -105,7 +111,6 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
                 constants.interior_springs.accumulates_lambda,
                 KEEPS_INTERIOR_SPRINGS,
             )
-            | flag(constants.sweeps_back, SWEEPS_BACK)
             | flag(constants.volume.is_pressed, IS_PRESSED),
         first_run: places.first_run,
         stretch_colors: places.stretch_colors,
@@ -123,11 +128,9 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
         volume_pressure: constants.volume.pressure,
         volume_recovery: constants.volume.recovery,
         volume_sink: constants.volume.sink,
-        volume_carryover: constants.volume.error_carryover,
         spring_colors: places.spring_colors,
         spring_factor: constants.interior_springs.factor,
         spring_alpha: constants.interior_springs.alpha,
-        spring_carryover: constants.interior_springs.error_carryover,
         contacts: places.contacts,
         first_collider: places.first_collider,
         colliders: places.colliders,
@@ -144,7 +147,9 @@ pub(super) fn frame_record(constants: &StepConstants, params: &SolverParams) -> 
         iterations: params.iterations,
         contact_rounds: constants.contact_rounds,
         measures_motion: 0,
-        pad: [0.0; 3],
+        collider_step: constants.collider_step,
+        lift: constants.lift,
         diagonal_scale: params.diagonal_scale,
+        pad: 0.0,
     }
 }

@@ -46,62 +46,61 @@ impl GpuBackend {
         }
         self.context.check()?;
         let needed = |(body, solver): (GpuBody, &'a mut Solver)| {
-            let substeps = solver.needed_substeps(dt, params);
-            let (h, press) = (dt / substeps as f32, solver.contacts().press());
-            (
-                [substeps, contact_rounds(h, press, params.gravity)],
+            let (substeps, time_left) = solver.substeps_of(dt, params);
+            let substeps = substeps.divided(solver.needed_parts(substeps.h, params));
+            let press = solver.contacts().press();
+            let contact_rounds = contact_rounds(substeps.h, press, params.gravity);
+            let inputs = FrameInputs {
+                dt,
+                substeps,
+                contact_rounds,
+                reaches_colliders: true,
+            };
+            SteppedBody {
                 body,
                 solver,
-            )
+                inputs,
+                time_left,
+            }
         };
         let mut bodies: Vec<_> = bodies.into_iter().map(needed).collect();
-        bodies.sort_by_key(|&(needed, ..)| needed);
-        let inputs = |contact_rounds| FrameInputs {
-            dt,
-            joins_pieces: false,
-            contact_rounds,
-            reaches_colliders: true,
-        };
+        bodies.sort_by_key(SteppedBody::key);
         let mut stats = GpuStats::default();
         if bodies.is_empty() {
-            self.submit_bodies(&mut [], inputs(1), params, &mut stats)?;
+            self.submit_bodies(&mut [], params, &mut stats)?;
         }
-        for equal in bodies.chunk_by_mut(|a, b| a.0 == b.0) {
-            let [substeps, contact_rounds] = equal[0].0;
-            let params = SolverParams {
-                substeps,
-                ..*params
-            };
-            self.submit_bodies(equal, inputs(contact_rounds), &params, &mut stats)?;
+        for equal in bodies.chunk_by_mut(|a, b| a.key() == b.key()) {
+            self.submit_bodies(equal, params, &mut stats)?;
         }
         self.stats = stats;
         Ok(&self.stats)
     }
 
-    /// Submits one frame of bodies with the substeps of the parameters; adds its work to `stats`.
+    /// Submits one frame of bodies of equal [key](SteppedBody::key); adds its work to `stats`.
     fn submit_bodies(
         &mut self,
-        bodies: &mut [([u32; 2], GpuBody, &mut Solver)],
-        inputs: FrameInputs,
+        bodies: &mut [SteppedBody<'_>],
         params: &SolverParams,
         stats: &mut GpuStats,
     ) -> Result<(), GpuError> {
         let mut frame = FrameUniform::zeroed();
         self.stepped.clear();
         let mut prepared = Ok(());
-        for (_, body, solver) in bodies {
-            let body = *body;
+        let substeps = bodies.first().map_or(0, |body| body.inputs.substeps.count);
+        for stepped in bodies {
+            let (body, solver) = (stepped.body, &mut *stepped.solver);
             prepared = self.send_small_changes(body, solver);
             if prepared.is_err() {
                 break;
             }
-            let constants = match solver.prepare(inputs, params) {
+            let constants = match solver.prepare(stepped.inputs, params) {
                 Ok(constants) => constants,
                 Err(error) => {
                     prepared = Err(error.into());
                     break;
                 }
             };
+            solver.set_time_left(stepped.time_left);
             #[cfg(feature = "global")]
             solver.record_sweeps();
             frame = FrameUniform {
@@ -118,12 +117,12 @@ impl GpuBackend {
         self.flush()?;
         prepared?;
         self.program_is_stale |=
-            self.program.substeps != params.substeps || self.program_of != self.stepped;
+            self.program.substeps < substeps || self.program_of != self.stepped;
         stats.program_built |= self.program_is_stale;
-        self.update_program(params.substeps)?;
+        self.update_program(substeps)?;
         self.uniforms
             .send_frame(&self.context, &mut self.uploads, frame);
-        let dispatches = self.program.dispatches(true);
+        let dispatches = self.program.dispatches(substeps, true);
         if dispatches > MAX_DISPATCHES {
             let limit = MAX_DISPATCHES;
             return Err(GpuError::TooManyDispatches { dispatches, limit });
@@ -134,8 +133,8 @@ impl GpuBackend {
         }
         self.frame += 1;
         self.note_frame();
-        stats.dispatches += self.program.dispatches(wants_bounds);
-        self.submit(wants_bounds)?;
+        stats.dispatches += self.program.dispatches(substeps, wants_bounds);
+        self.submit(substeps, wants_bounds)?;
         self.follow_up()?;
         stats.bytes_uploaded += self.uploads.take_bytes();
         stats.bytes_read += std::mem::take(&mut self.bytes_read);
@@ -160,7 +159,7 @@ impl GpuBackend {
         self.program_of.push(slot);
         self.program_is_stale = true;
         let made = self.make_program().and_then(|()| self.make_bounds());
-        let done = made.and_then(|()| self.submit(true));
+        let done = made.and_then(|()| self.submit(0, true));
         if let Some(resident) = self.resident_at(slot) {
             resident.wants_state = wants_state;
             resident.wants_motion = wants_motion;
@@ -193,11 +192,12 @@ impl GpuBackend {
             Schedule::Patches => stats.patch_bodies += 1,
         }
         let times = u64::from(constants.substeps) * u64::from(solver.plan().iterations());
-        let of_lengths = times * (1 + u64::from(solver.plan().sweeps_back()));
-        stats.stretch_projections += of_lengths * solver.stretch().len() as u64;
-        stats.bending_projections += times * solver.bending().map_or(0, |set| set.len() as u64);
+        let there_and_back = 2 * times;
+        stats.stretch_projections += there_and_back * solver.stretch().len() as u64;
+        stats.bending_projections +=
+            there_and_back * solver.bending().map_or(0, |set| set.len() as u64);
         stats.interior_spring_projections +=
-            of_lengths * solver.interior_springs().map_or(0, |set| set.len() as u64);
+            there_and_back * solver.interior_springs().map_or(0, |set| set.len() as u64);
         let contact_rounds = u64::from(solver.plan().contact_rounds());
         stats.volume_projections += times * contact_rounds * solver.volumes().pieces().len() as u64;
         let schedule = resident.body.schedule;
@@ -285,8 +285,8 @@ impl GpuBackend {
         self.program_of = slots;
     }
 
-    /// Encodes and submits the program and the requested copies.
-    fn submit(&mut self, wants_bounds: bool) -> Result<(), GpuError> {
+    /// Encodes and submits a number of substeps of the program, and the requested copies.
+    fn submit(&mut self, substeps: u32, wants_bounds: bool) -> Result<(), GpuError> {
         let mut encoder = super::encoder(&self.context, "step");
         let groups = self
             .uniforms
@@ -303,7 +303,7 @@ impl GpuBackend {
                 last: None,
             };
             encoding.pass.set_bind_group(0, &groups[0], &[]);
-            encoding.program(&self.program, wants_bounds);
+            encoding.program(&self.program, substeps, wants_bounds);
         }
         if let Some(timestamps) = &mut self.timestamps {
             timestamps.request(&self.context, &mut encoder, self.frame)?;
@@ -364,6 +364,23 @@ impl GpuBackend {
     }
 }
 
+/// A body of a frame.
+struct SteppedBody<'a> {
+    body: GpuBody,
+    solver: &'a mut Solver,
+    inputs: FrameInputs,
+    /// Time that the frame leaves to the next one, in substeps.
+    time_left: f64,
+}
+
+impl SteppedBody<'_> {
+    /// Returns substeps and rounds, in which the bodies of a submission agree.
+    fn key(&self) -> [u32; 3] {
+        let substeps = self.inputs.substeps;
+        [substeps.count, substeps.h.to_bits(), self.inputs.contact_rounds]
+    }
+}
+
 /// A compute pass under construction.
 struct Encoding<'a> {
     pass: ComputePass<'a>,
@@ -374,9 +391,12 @@ struct Encoding<'a> {
 }
 
 impl Encoding<'_> {
-    fn program(&mut self, program: &Program, wants_bounds: bool) {
-        self.dispatches(program.whole.iter(), 0);
-        for substep in 0..program.substeps {
+    fn program(&mut self, program: &Program, substeps: u32, wants_bounds: bool) {
+        let begun = |dispatch: &&Dispatch| {
+            program.passes[dispatch.pass as usize].substep < substeps
+        };
+        self.dispatches(program.whole.iter().filter(begun), 0);
+        for substep in 0..substeps {
             self.dispatches(program.prologue.iter(), substep);
             for _ in 0..program.iterations {
                 self.dispatches(program.iteration.iter(), substep);

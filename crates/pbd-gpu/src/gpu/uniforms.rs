@@ -1,6 +1,6 @@
 //! Uniform buffers with the parameters of dispatches, and the bind groups of all kernels.
 
-use super::body::{Arenas, DISPLACEMENTS, POSITIONS, RECORDS, REPORTS, RUN_TABLES, VELOCITIES};
+use super::body::{Arenas, DISPLACEMENTS, POSITIONS, RECORDS, REPORTS, RUN_TABLES, MOTIONS};
 use super::context::Context;
 use super::error::GpuError;
 use super::layout::{FrameUniform, PassUniform};
@@ -96,7 +96,7 @@ impl Uniforms {
     ) -> Result<&[BindGroup; 2], GpuError> {
         let storage = [
             arenas.vertices.buffer(POSITIONS),
-            arenas.vertices.buffer(VELOCITIES),
+            arenas.vertices.buffer(MOTIONS),
             arenas.vertices.buffer(DISPLACEMENTS),
             arenas.entries.buffer(0),
             arenas.bodies.buffer(RECORDS),

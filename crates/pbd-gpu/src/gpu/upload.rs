@@ -11,7 +11,7 @@ use wgpu::{Buffer, BufferUsages, ComputePassDescriptor, ComputePipeline};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Target {
     Positions,
-    Velocities,
+    Motions,
     Constraints,
 }
 

@@ -13,8 +13,7 @@
 //! displacements `d`. The change is corrected at once. The older error is corrected at once only
 //! where the edges are stiff enough to hold it or to follow. Next to edges softer than the hinge it
 //! is corrected at rate [`RECOVERY`] at most, and more slowly next to limp edges: velocities follow
-//! from displacements, so a larger correction is an impulse, which the next hinges amplify. In a
-//! substep that is shorter than the previous ones a part of the older error remains, as for edges.
+//! from displacements, so a larger correction is an impulse, which the next hinges amplify.
 
 use super::arctangent::arctangent2;
 use super::block::{Block, Gather, scatter};
@@ -108,8 +107,8 @@ impl Kernel<4> for Bending {
         let weight = (w0 * g00 + w1 * g11) + (w2 * g22 + w3 * g33);
 
         let mut left = zero;
-        // With rigid edges and equal substeps no old error remains, which saves its computation.
-        if HISTORY && (projection.edge_stiffness < FIRM || projection.error_carryover > 0.0) {
+        // With rigid edges no old error remains, which saves its computation.
+        if HISTORY && projection.edge_stiffness < FIRM {
             // Change of the angle in this substep: sum g . d.
             let [d1 @ .., _] = gather.displacements(particles, block.vertices, 1);
             let [d2 @ .., _] = gather.displacements(particles, block.vertices, 2);
@@ -174,9 +173,7 @@ fn remaining_error<S: Simd>(
     let free = (follow * follow) * (follow * follow);
     let most = recovery * (limp * (1.0 + free) + held);
     let left = before.gt(most).or_zero(before - most);
-    let left = before.lt(-most).select(before + most, left);
-    let kept = projection.error_carryover * before;
-    kept.abs().gt(left.abs()).select(kept, left)
+    before.lt(-most).select(before + most, left)
 }
 
 #[inline(always)]

@@ -64,8 +64,6 @@ fn project_bending(at: u32, by: Projection) {
     var left = 0.0;
     left = select(left, before - returned, before > returned);
     left = select(left, before + returned, before < -returned);
-    let kept = by.error_carryover * before;
-    left = select(left, kept, abs(kept) > abs(left));
     let wish = by.factor * ((turn - left) + by.alpha * lambda);
     let movable = solid && weight > 0.0;
     let sum = by.diagonal_scale * weight + by.alpha;

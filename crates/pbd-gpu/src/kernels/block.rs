@@ -53,14 +53,6 @@ pub(crate) trait Gather<const L: usize>: Copy + Send + Sync {
         j: usize,
     ) -> [Lanes<Self::S>; 4];
 
-    /// Returns the same vectors at the start of the substep.
-    fn initial_differences<const N: usize>(
-        self,
-        particles: ParticleStates<'_>,
-        vertices: &[[VertexId; N]; L],
-        j: usize,
-    ) -> [Lanes<Self::S>; 4];
-
     /// Returns the displacements of the `j`th vertices relative to the first \[m\], and zero.
     fn displacements<const N: usize>(
         self,
@@ -196,18 +188,6 @@ impl<S: Simd, const L: usize> Gather<L> for Transpose<S> {
         j: usize,
     ) -> [Lanes<S>; 4] {
         self.gather(particles, vertices, j, difference)
-    }
-
-    #[inline(always)]
-    fn initial_differences<const N: usize>(
-        self,
-        particles: ParticleStates<'_>,
-        vertices: &[[VertexId; N]; L],
-        j: usize,
-    ) -> [Lanes<S>; 4] {
-        self.gather(particles, vertices, j, |a, b| {
-            difference(a.at_start(), b.at_start())
-        })
     }
 
     #[inline(always)]

@@ -7,6 +7,7 @@
 
 use super::particle_state::{ParticleState, ParticleStates};
 use crate::constraints::colliders::{ColliderRecord, PLANE, ROUND};
+use std::cell::Cell;
 
 /// Maximum distance of a vertex that touches a collider, relative to its coordinates from there.
 ///
@@ -21,7 +22,7 @@ const BLOCK: usize = 16;
 pub(crate) struct ColliderPass {
     /// Coefficient of Coulomb friction.
     pub(crate) friction: f32,
-    /// Length of the substep \[s\].
+    /// Time of the frame per substep \[s\].
     pub(crate) h: f32,
     /// Time of the frame at the end of the substep \[s\].
     pub(crate) time: f32,
@@ -31,36 +32,50 @@ pub(crate) struct ColliderPass {
 ///
 /// What is left of the friction of earlier passes also holds vertices that only touch a collider.
 /// The fourth component of the velocity holds the remaining friction bound \[m\]; it is 0 before
-/// the first pass. Returns whether a vertex was in a collider.
+/// the first pass. `corrections`, the displacements by constraints, lose the pushes; empty without
+/// a lift. Returns whether a vertex was in a collider.
 #[inline(never)]
 pub(crate) fn colliders(
     particles: ParticleStates<'_>,
     v: &mut [[f32; 4]],
+    corrections: &[Cell<[f32; 4]>],
     colliders: &[ColliderRecord],
     pass: ColliderPass,
 ) -> bool {
+    let vertices = Vertices {
+        particles,
+        corrections,
+    };
     let mut has_pushed = false;
     for c in colliders {
         has_pushed |= if c.kind == PLANE {
-            push_out_of_plane(particles, v, c, pass)
+            push_out_of_plane(vertices, v, c, pass)
         } else {
-            push_out(particles, v, c, |q, d| separation(q, d, c), pass)
+            push_out(vertices, v, c, |q, d| separation(q, d, c), pass)
         };
     }
     has_pushed
 }
 
+/// States of vertices, and their displacements by constraints.
+#[derive(Debug, Clone, Copy)]
+struct Vertices<'a> {
+    particles: ParticleStates<'a>,
+    corrections: &'a [Cell<[f32; 4]>],
+}
+
 /// Pushes vertices out of a plane; tests [`BLOCK`] of them before it moves one.
 #[inline(always)]
 fn push_out_of_plane(
-    particles: ParticleStates<'_>,
+    vertices: Vertices<'_>,
     v: &mut [[f32; 4]],
     plane: &ColliderRecord,
     pass: ColliderPass,
 ) -> bool {
     let origin = plane.origin_at(pass.time);
     let mut has_pushed = false;
-    for (cells, v) in particles.0.chunks(BLOCK).zip(v.chunks_mut(BLOCK)) {
+    let blocks = vertices.particles.0.chunks(BLOCK).zip(v.chunks_mut(BLOCK));
+    for (i, (cells, v)) in blocks.enumerate() {
         let mut is_near = false;
         for cell in cells {
             let ParticleState { x, d } = cell.get();
@@ -68,7 +83,11 @@ fn push_out_of_plane(
             is_near |= touches(height(q, [d[0], d[1], d[2]], plane), q);
         }
         if is_near {
-            let block = ParticleStates(cells);
+            let rest = vertices.corrections.get(i * BLOCK..).unwrap_or_default();
+            let block = Vertices {
+                particles: ParticleStates(cells),
+                corrections: rest,
+            };
             let separation = |q, d| (height(q, d, plane), plane.extent);
             has_pushed |= push_out(block, v, plane, separation, pass);
         }
@@ -79,7 +98,7 @@ fn push_out_of_plane(
 /// Pushes vertices out of a collider with a given separation.
 #[inline(always)]
 fn push_out(
-    particles: ParticleStates<'_>,
+    vertices: Vertices<'_>,
     v: &mut [[f32; 4]],
     collider: &ColliderRecord,
     separation: impl Fn([f32; 3], [f32; 3]) -> (f32, [f32; 3]),
@@ -88,13 +107,18 @@ fn push_out(
     let mut has_pushed = false;
     let origin = collider.origin_at(pass.time);
     let dragged = collider.velocity.map(|c| c * pass.h);
-    for (cell, v) in particles.iter().zip(v) {
+    for (i, (cell, v)) in vertices.particles.iter().zip(v).enumerate() {
         let ParticleState { x, mut d } = cell.get();
         let q = [0, 1, 2].map(|k: usize| x[k] - origin[k]);
         let (distance, n) = separation(q, [d[0], d[1], d[2]]);
         if touches(distance, q) && x[3] > 0.0 && (distance < 0.0 || v[3] > 0.0) {
             let depth = if distance < 0.0 { -distance } else { 0.0 };
+            let before = d;
             push(&mut d, &mut v[3], n, depth, pass.friction, dragged);
+            if let Some(correction) = vertices.corrections.get(i) {
+                let u = correction.get();
+                correction.set([0, 1, 2, 3].map(|k: usize| u[k] - (d[k] - before[k])));
+            }
             cell.set(ParticleState { x, d });
             has_pushed |= depth > 0.0;
         }
@@ -312,7 +336,7 @@ mod tests {
             h: 0.1,
             time: 0.1,
         };
-        on_arrays(x, d, |p| colliders(p, v, &record, pass))
+        on_arrays(x, d, |p| colliders(p, v, &[], &record, pass))
     }
 
     #[test]
@@ -381,7 +405,7 @@ mod tests {
                 time,
             };
             on_arrays(&x, &mut d, |p| {
-                colliders(p, &mut v, &record, pass);
+                colliders(p, &mut v, &[], &record, pass);
             });
             assert!((d[0][1] - height).abs() < 1e-6, "{d:?} after {time} s");
             assert!((d[0][0] - 0.2).abs() < 1e-6, "{d:?} moves with the floor");

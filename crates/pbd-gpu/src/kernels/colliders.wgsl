@@ -6,21 +6,21 @@
 const SIGN_BIT: u32 = 0x80000000u;
 
 fn friction_bound(i: u32) -> f32 {
-    return abs(velocities[first_vertex + i].w);
+    return abs(motions[first_vertex + i].velocity.w);
 }
 
 fn set_friction_bound(i: u32, bound: f32) {
-    let sign = bitcast<u32>(velocities[first_vertex + i].w) & SIGN_BIT;
-    velocities[first_vertex + i].w = bitcast<f32>(bitcast<u32>(bound) | sign);
+    let sign = bitcast<u32>(motions[first_vertex + i].velocity.w) & SIGN_BIT;
+    motions[first_vertex + i].velocity.w = bitcast<f32>(bitcast<u32>(bound) | sign);
 }
 
 fn mark_carried(i: u32) {
-    let bits = bitcast<u32>(velocities[first_vertex + i].w);
-    velocities[first_vertex + i].w = bitcast<f32>(bits | SIGN_BIT);
+    let bits = bitcast<u32>(motions[first_vertex + i].velocity.w);
+    motions[first_vertex + i].velocity.w = bitcast<f32>(bits | SIGN_BIT);
 }
 
 fn is_carried(i: u32) -> bool {
-    return (bitcast<u32>(velocities[first_vertex + i].w) & SIGN_BIT) != 0u;
+    return (bitcast<u32>(motions[first_vertex + i].velocity.w) & SIGN_BIT) != 0u;
 }
 
 struct Separation {
@@ -44,7 +44,7 @@ fn collider_velocity(at: u32) -> vec3f {
 
 // Returns the origin of a collider at the end of the substep of substep_index.
 fn collider_origin(at: u32) -> vec3f {
-    let time = f32(substep_index + 1u) * frame.h;
+    let time = f32(substep_index + 1u) * frame.collider_step;
     return collider_vector(at, 2u) + collider_velocity(at) * time;
 }
 
@@ -62,7 +62,7 @@ fn push_out(i: u32, first: u32, count: u32, friction: f32) {
         let depth = select(0.0, -out.distance, out.distance < 0.0);
         if (depth > 0.0 || (friction_bound(i) > 0.0 && touches(out.distance, q))) {
             let n = out.normal;
-            let dragged = collider_velocity(at) * frame.h;
+            let dragged = collider_velocity(at) * frame.collider_step;
             let relative = d - dragged;
             let along = dot_product(relative, n);
             let slide = relative - along * n;
@@ -71,7 +71,9 @@ fn push_out(i: u32, first: u32, count: u32, friction: f32) {
             let slips = length > limit;
             set_friction_bound(i, select(limit - length, 0.0, slips));
             let kept = select(0.0, 1.0 - limit / length, slips);
-            d = dragged + ((along + depth) * n + kept * slide);
+            let pushed = dragged + ((along + depth) * n + kept * slide);
+            correct(i, -(pushed - d));
+            d = pushed;
         }
     }
     store_d(i, d);

@@ -20,11 +20,13 @@ use std::cell::Cell;
 /// Separates the features of the contacts with the indices `facing`, one after the other.
 ///
 /// The slice begins with the index `first`. Marks the vertices of [supported](crate::SupportedSide)
-/// features in `carried`, shape [vertices].
+/// features in `carried`, shape [vertices]. `corrections`, the displacements by constraints, lose
+/// those by contacts; empty without a lift.
 #[inline(never)]
 pub(crate) fn contacts(
     particles: ParticleStates<'_>,
     carried: &[Cell<bool>],
+    corrections: &[Cell<[f32; 4]>],
     contacts: &mut [ContactRecord],
     first: usize,
     facing: &[u32],
@@ -92,6 +94,10 @@ pub(crate) fn contacts(
             ];
             let v = contact.vertices[i] as usize;
             particles.set_d(v, moved);
+            if let Some(correction) = corrections.get(v) {
+                let u = correction.get();
+                correction.set([0, 1, 2, 3].map(|k: usize| u[k] - (moved[k] - d[k])));
+            }
             if contact.is_carried(w[i]) {
                 carried[v].set(true);
             }
@@ -199,6 +205,7 @@ pub(crate) const LIFT: f32 = 4.0;
 #[inline(never)]
 pub(crate) fn recover_contacts(
     particles: ParticleStates<'_>,
+    corrections: &[Cell<[f32; 4]>],
     contacts: &[ContactRecord],
     planes: Planes<'_>,
     h: f32,
@@ -262,7 +269,12 @@ pub(crate) fn recover_contacts(
                     change += push.abs();
                 }
             }
-            particles.set(contact.vertices[i] as usize, state);
+            let v = contact.vertices[i] as usize;
+            if let Some(correction) = corrections.get(v) {
+                let u = correction.get();
+                correction.set([0, 1, 2, 3].map(|k: usize| u[k] - (state.d[k] - d[k])));
+            }
+            particles.set(v, state);
             max_change = f32::max(max_change, change);
         }
     }

@@ -75,7 +75,7 @@ fn project_contact(body: Body, at: u32) {
     let r2 = difference(center_x, center_d, x[2], up[2]);
     let r3 = difference(center_x, center_d, x[3], up[3]);
     let between = (w.x * r0 + w.y * r1) + (w.z * r2 + w.w * r3);
-    let plane_gap = plane.w + rates.x * (f32(substep_index + 1u) * frame.h);
+    let plane_gap = plane.w + rates.x * (f32(substep_index + 1u) * frame.collider_step);
     let gap = select(plane_gap, plane.w, is_pair);
     let depth = gap - (between.x * n.x + between.y * n.y + between.z * n.z);
     let shares = w * vec4f(x[0].w, x[1].w, x[2].w, x[3].w);
@@ -114,7 +114,9 @@ fn project_contact(body: Body, at: u32) {
     constraints[at + 11u] = held_at.yz;
     let carried = constraints[at + 7u].y >> 16u;
     for (var i = 0u; i < select(1u, 4u, is_pair); i++) {
-        store_d(v[i], d[i] + shares[i] * push);
+        let moved = d[i] + shares[i] * push;
+        store_d(v[i], moved);
+        correct(v[i], -(moved - d[i]));
         if ((carried == CARRIED_FIRST && w[i] > 0.0) || (carried == CARRIED_SECOND && w[i] < 0.0)) {
             mark_carried(v[i]);
         }
@@ -168,6 +170,7 @@ fn recover_contact(body: Body, at: u32) {
         let to = lifted_position(body, vec4f(x[i].xyz + shift * n, x[i].w), left);
         store_x(v[i], vec4f(to, x[i].w));
         store_d(v[i], left);
+        correct(v[i], -(left - d[i]));
     }
 }
 

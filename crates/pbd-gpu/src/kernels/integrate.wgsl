@@ -7,7 +7,12 @@ var<private> max_displacement: f32;
 fn integrate_vertex(i: u32) -> bool {
     let x = load_x(i);
     let d = load_d(i);
-    velocities[first_vertex + i] = vec4f(d / frame.h, 0.0);
+    motions[first_vertex + i].velocity = vec4f(d / frame.h, 0.0);
+    if (frame.lift > 0.0) {
+        let last = motions[first_vertex + i].correction.xyz;
+        let free = select(0.0, 1.0, x.w > 0.0);
+        motions[first_vertex + i].correction = vec4f((last + d) * free, 0.0);
+    }
     let end = x.xyz + d;
     max_displacement = max(max_displacement, max(max(abs(d.x), abs(d.z)), abs(d.y)));
     positions[first_vertex + i] = vec4f(end, x.w);

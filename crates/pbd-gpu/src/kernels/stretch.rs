@@ -1,9 +1,6 @@
 //! Stretch constraints: preserve edge lengths (Mueller et al. 2007, section 3.3; XPBD multipliers).
 //!
 //! `C = |p_b - p_a| - rest`. The gradients have length 1 and opposite directions.
-//!
-//! In a substep that is shorter than the previous ones, edges correct only a part of their initial
-//! error.
 
 use super::block::{Block, Gather, scatter};
 use super::lanes::Lanes;
@@ -27,20 +24,12 @@ impl Kernel<2> for Stretch {
             factor,
             alpha,
             diagonal_scale,
-            error_carryover,
             ..
         } = projection;
         let wa = gather.inverse_masses(particles, block.vertices);
         let [x, y, z, wb] = gather.differences(particles, block.vertices, 1);
         let length = (x * x + y * y + z * z).sqrt();
-        let mut rest = block.rest;
-        if HISTORY && error_carryover > 0.0 {
-            // Rest lengths closer to the lengths at the start of the substep leave old errors.
-            let [x, y, z, _] = gather.initial_differences(particles, block.vertices, 1);
-            let before = (x * x + y * y + z * z).sqrt();
-            rest = rest + error_carryover * (before - rest);
-        }
-        let error = (length - rest) + alpha * block.lambda;
+        let error = (length - block.rest) + alpha * block.lambda;
         let diagonal = wa + wb;
         let weight = diagonal_scale * diagonal + alpha;
         let weight = diagonal.gt(weight).select(diagonal, weight);

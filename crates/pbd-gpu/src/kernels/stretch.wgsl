@@ -4,21 +4,14 @@
 fn project_stretch(at: u32, by: Projection) {
     let ends = constraints[at];
     let numbers = bitcast<vec2f>(constraints[at + 1u]);
-    var rest = numbers.x;
     let lambda = select(0.0, numbers.y, by.accumulates_lambda);
     let xa = load_x(ends.x);
     let xb = load_x(ends.y);
     let da = load_d(ends.x);
     let db = load_d(ends.y);
-
-    if (by.error_carryover > 0.0) {
-        let before = difference(xa, vec3f(), xb, vec3f());
-        let length = norm(before);
-        rest += by.error_carryover * (length - rest);
-    }
     let edge = difference(xa, da, xb, db);
     let length = norm(edge);
-    let error = (length - rest) + by.alpha * lambda;
+    let error = (length - numbers.x) + by.alpha * lambda;
     let diagonal = xa.w + xb.w;
     let sum = by.diagonal_scale * diagonal + by.alpha;
     let weight = select(sum, diagonal, diagonal > sum);

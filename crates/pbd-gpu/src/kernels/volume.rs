@@ -130,8 +130,7 @@ pub(crate) fn volumes(
         let sums = sum::<false>((leader, arch), input, spokes, scratch);
         let missing = (sums[0] * THIRD - by.pressure * piece.rest).abs();
         let presses = by.alpha == 0.0 && by.pressure != 1.0;
-        let is_needed = by.error_carryover > 0.0 || presses;
-        let before = if is_needed || missing > recovery(piece, by) {
+        let before = if presses || missing > recovery(piece, by) {
             sum::<true>((leader, arch), input, spokes, scratch)[0]
         } else {
             sums[0]

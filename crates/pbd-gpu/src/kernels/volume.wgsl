@@ -110,7 +110,7 @@ fn sum_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
                 leaf.y = around(body, spoke, center, true).place;
             }
             let v = first_vertex + spoke.x;
-            velocities[v] = vec4f(g, velocities[v].w);
+            motions[v].velocity = vec4f(g, motions[v].velocity.w);
         }
         store_leaf(i, leaf);
     }
@@ -226,7 +226,6 @@ fn steps_of(sums: vec4f, rest: f32, reach: f32, body: Body, lambda: f32) -> vec2
         left = select(left, before - most, before > most);
         left = select(left, before + most, before < -most);
     }
-    let kept = body.volume_carryover * before;
     left = select(left, kept, abs(kept) > abs(left));
     let alpha = body.volume_alpha * size;
     var shift = 0.0;
@@ -277,7 +276,7 @@ fn move_chunk(body: Body, number: u32, lane: u32, lanes: u32) {
     let more = bitcast<vec3f>(vec3u(constraints[piece + 6u], constraints[piece + 7u].x));
     for (var i = lane; i < spokes.y; i += lanes) {
         let v = constraints[body.first_spoke + spokes.x + i].x;
-        let g = velocities[first_vertex + v].xyz;
+        let g = motions[first_vertex + v].velocity.xyz;
         let x = load_x(v);
         if (has_others && x.w > 0.0) {
             store_d(v, load_d(v) + more);

@@ -63,7 +63,7 @@ pub(crate) fn sweep_color<K: Kernel<N>, const N: usize>(
     });
 }
 
-/// Projects the constraints of all patches of a layer, or their lengths in reverse order.
+/// Projects the constraints of all patches of a layer, in reverse order if `is_back`.
 pub(crate) fn sweep_patches(
     leader: &mut Leader<'_>,
     arch: Arch,
@@ -100,6 +100,7 @@ pub(crate) fn sweep_contacts(
     leader: &mut Leader<'_>,
     particles: ParticleStates<'_>,
     carried: &[Cell<bool>],
+    corrections: &[Cell<[f32; 4]>],
     contacts: &mut [ContactRecord],
     facing: &[u32],
     planes: Planes<'_>,
@@ -107,9 +108,9 @@ pub(crate) fn sweep_contacts(
     let count = contacts.len();
     let size = chunk_size(count, leader.members());
     // The contacts of a color share no vertex.
-    let shared = Shared((particles, carried, contacts.as_mut_ptr()));
+    let shared = Shared((particles, (carried, corrections), contacts.as_mut_ptr()));
     leader.run(count.div_ceil(size), &|chunk| {
-        let (particles, carried, contacts) = *shared.get();
+        let (particles, (carried, corrections), contacts) = *shared.get();
         let range = chunk * size..count.min((chunk + 1) * size);
         // SAFETY: the range ends within the slice, those of chunks do not overlap, and every chunk
         // runs once.
@@ -117,7 +118,8 @@ pub(crate) fn sweep_contacts(
             unsafe { std::slice::from_raw_parts_mut(contacts.add(range.start), range.len()) };
         let place = |end: usize| facing.partition_point(|&i| (i as usize) < end);
         let facing = &facing[place(range.start)..place(range.end)];
-        project_contacts(particles, carried, contacts, range.start, facing, planes);
+        let first = range.start;
+        project_contacts(particles, carried, corrections, contacts, first, facing, planes);
     });
 }
 

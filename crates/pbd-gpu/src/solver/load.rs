@@ -69,13 +69,18 @@ impl Particles {
         let is_mass = |(i, mass): (usize, &f32)| {
             mass.is_finite() && (*mass == 0.0 || *mass > 0.0 && is_used(VertexId::from_index(i)))
         };
-        let is_velocity = |v: &[f32; 4]| v[3] == 0.0 && v.iter().all(|c| c.is_finite());
+        let is_vector = |v: &[f32; 4]| v[3] == 0.0 && v.iter().all(|c| c.is_finite());
         let is_pin = |pin: &Pin| is_used(pin.vertex) && pin.target.iter().all(|c| c.is_finite());
         if self.mass.len() != slots || !self.mass.iter().enumerate().all(is_mass) {
             return Some("masses");
         }
-        if self.velocities.len() != slots || !self.velocities.iter().all(is_velocity) {
-            return Some("velocities");
+        for (name, vectors) in [
+            ("velocities", &self.velocities),
+            ("corrections", &self.corrections),
+        ] {
+            if vectors.len() != slots || !vectors.iter().all(is_vector) {
+                return Some(name);
+            }
         }
         let ascending = self.pins.is_sorted_by(|a, b| a.vertex < b.vertex);
         (!ascending || !self.pins.iter().all(is_pin)).then_some("pins")

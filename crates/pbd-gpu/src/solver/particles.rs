@@ -28,10 +28,10 @@ impl Solver {
         &self.particles
     }
 
-    /// Returns all velocities for the readback from a GPU, which the log does not record.
+    /// Returns the particles for the readback from a GPU, which the log does not record.
     #[cfg(feature = "gpu")]
-    pub(crate) fn velocities_mut(&mut self) -> &mut [[f32; 4]] {
-        &mut self.particles.velocities
+    pub(crate) fn particles_mut(&mut self) -> &mut crate::particles::Particles {
+        &mut self.particles
     }
 
     /// Returns all masses \[kg\], also of pinned vertices, shape [vertex slots].
@@ -102,6 +102,7 @@ impl Solver {
         position[3] = 0.0;
         let target = [position[0], position[1], position[2]];
         self.particles.velocities[v.index()] = [0.0; 4];
+        self.particles.corrections[v.index()] = [0.0; 4];
         self.follow.log.mark_mass(v);
         self.follow.log.mark_velocity(v);
         self.follow.log.mark_pins();

@@ -25,6 +25,8 @@ use std::ops::Range;
 pub(crate) struct StepScratch {
     /// States of the particles, body after body, shape [vertex slots of the island].
     particles: Vec<ParticleState>,
+    /// Displacements by constraints \[m\], shape [vertex slots of the island]; empty without a lift.
+    corrections: Vec<[f32; 4]>,
     /// Vertices that a piece carries in the substep, shape [vertex slots of the island]; empty
     /// without contacts.
     carried: Vec<bool>,
@@ -53,6 +55,7 @@ impl StepScratch {
         let volumes = self.volumes.iter().map(VolumeScratch::capacity);
         let facing = self.facing.iter().map(Vec::capacity);
         self.particles.capacity()
+            + self.corrections.capacity()
             + self.carried.capacity()
             + self.before.capacity()
             + self.bodies.capacity()
@@ -81,6 +84,7 @@ pub(crate) fn execute(
 ) -> Result<(), NonFinite> {
     let StepScratch {
         particles,
+        corrections,
         carried,
         before,
         volumes,
@@ -89,6 +93,7 @@ pub(crate) fn execute(
         planes,
     } = scratch;
     particles.clear();
+    corrections.clear();
     planes.clear();
     let mut colors = contacts.colors.iter().take(UNCOLORED);
     let mut has_shared_pass = colors.any(|contacts| is_shared(contacts.len()));
@@ -105,6 +110,9 @@ pub(crate) fn execute(
         let body = SteppedBody::new(index, member, solver, surface);
         let at_start = |&x: &[f32; 4]| ParticleState { x, d: [0.0; 4] };
         particles.extend(body.arrays.positions.iter().map(at_start));
+        if body.member.constants.lift > 0.0 {
+            corrections.extend_from_slice(body.arrays.corrections);
+        }
         if body.is_large {
             has_shared_pass = true;
         } else {
@@ -143,6 +151,7 @@ pub(crate) fn execute(
             contacts,
             substeps,
             particles: ParticleStates::new(particles),
+            corrections: Cell::from_mut(&mut **corrections).as_slice_of_cells(),
             carried: Cell::from_mut(&mut **carried).as_slice_of_cells(),
             before,
             volumes: &mut volumes[..chunks],
@@ -156,6 +165,10 @@ pub(crate) fn execute(
         let positions = body.arrays.positions.iter_mut();
         for (x, state) in positions.zip(&particles[body.member.first..]) {
             *x = state.x;
+        }
+        if let Some(last) = corrections.get(body.member.first..) {
+            let count = body.arrays.corrections.len().min(last.len());
+            body.arrays.corrections[..count].copy_from_slice(&last[..count]);
         }
     }
     stepped.clear();
@@ -174,6 +187,8 @@ struct Frame<'a, 'b, 'c> {
     substeps: Range<u32>,
     /// States of the island.
     particles: ParticleStates<'a>,
+    /// Displacements by constraints of the island; empty without a lift.
+    corrections: &'a [Cell<[f32; 4]>],
     carried: &'a [Cell<bool>],
     before: &'a mut Vec<[f32; 4]>,
     /// One per chunk of the bodies.
@@ -276,6 +291,7 @@ impl Frame<'_, '_, '_> {
             substep,
             substeps_left: self.substeps.end - substep,
             particles: self.particles,
+            corrections: self.corrections,
             carried: self.carried,
             arch: self.arch,
         };
@@ -301,7 +317,7 @@ impl Frame<'_, '_, '_> {
         let Some(SteppedBody { member: first, .. }) = self.bodies.first_mut() else {
             return;
         };
-        let particles = self.particles;
+        let (particles, corrections) = (self.particles, self.corrections);
         let h = first.constants.h;
         let planes = Planes {
             records: self.planes,
@@ -319,10 +335,17 @@ impl Frame<'_, '_, '_> {
                 let fall = first.constants.gravity_step.map(|g| g * h);
                 let (serial, colors) = split_serial(&self.contacts.colors);
                 for color in colors {
-                    change += contacts::recover_contacts(particles, color, planes, h, fall);
+                    change += contacts::recover_contacts(particles, corrections, color, planes, h, fall);
                 }
                 for contact in serial.chunks(1) {
-                    change += contacts::recover_contacts(particles, contact, planes, h, fall);
+                    change += contacts::recover_contacts(
+                        particles,
+                        corrections,
+                        contact,
+                        planes,
+                        h,
+                        fall,
+                    );
                 }
                 for body in &mut *self.bodies {
                     body.member.stats.max_displacement += change;
@@ -335,10 +358,26 @@ impl Frame<'_, '_, '_> {
                 let colors = self.contacts.colors.iter_mut().zip(&*self.facing);
                 for (color, (contacts, facing)) in colors.enumerate() {
                     if color == UNCOLORED {
-                        contacts::contacts(particles, carried, contacts, 0, facing, planes);
+                        contacts::contacts(
+                            particles,
+                            carried,
+                            corrections,
+                            contacts,
+                            0,
+                            facing,
+                            planes,
+                        );
                     } else {
                         let leader = &mut *self.leader;
-                        sweep_contacts(leader, particles, carried, contacts, facing, planes);
+                        sweep_contacts(
+                            leader,
+                            particles,
+                            carried,
+                            corrections,
+                            contacts,
+                            facing,
+                            planes,
+                        );
                     }
                 }
             }

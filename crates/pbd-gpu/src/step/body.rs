@@ -16,6 +16,8 @@ pub(crate) struct Body<'a> {
     pub(crate) positions: &'a mut [[f32; 4]],
     /// Velocity [m/s], last component 0, shape [vertex slots].
     pub(crate) velocities: &'a mut [[f32; 4]],
+    /// Displacement by constraints in the last substep \[m\], shape [vertex slots].
+    pub(crate) corrections: &'a mut [[f32; 4]],
     /// Stretch constraints.
     pub(crate) stretch: &'a mut StretchSet,
     /// Bending constraints, if the material has bending.
@@ -47,6 +49,7 @@ impl<'a> Body<'a> {
         Self {
             positions: surface.positions_mut(),
             velocities: &mut particles.velocities,
+            corrections: &mut particles.corrections,
             stretch: &mut constraints.stretch,
             bending: constraints.bending.as_mut(),
             interior_springs: constraints.interior_springs.as_mut(),

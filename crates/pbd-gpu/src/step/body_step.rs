@@ -24,6 +24,8 @@ use std::cell::Cell;
 pub(super) struct BodyStep<'a, 'b, 'c> {
     /// States of the body.
     pub(super) particles: ParticleStates<'a>,
+    /// Displacements by constraints \[m\], shape [vertex slots]; empty without a lift.
+    pub(super) corrections: &'a [Cell<[f32; 4]>],
     /// Vertices that a piece carries, shape [vertex slots]; empty without contacts.
     pub(super) carried: &'a [Cell<bool>],
     pub(super) body: &'a mut Body<'b>,
@@ -40,27 +42,41 @@ pub(super) struct BodyStep<'a, 'b, 'c> {
     pub(super) meets_collider: &'a mut bool,
 }
 
-/// Projects a batch and returns its number of constraints; the overflow is projected serially.
-fn project_batch<K: Kernel<N>, const N: usize>(
-    leader: &mut Leader<'_>,
+/// A pass over the constraints of a batch.
+struct BatchSweep<'a, 'b, 'c> {
+    leader: &'a mut Leader<'b>,
     arch: Arch,
-    particles: ParticleStates<'_>,
-    set: Option<&mut ConstraintSet<N>>,
+    particles: ParticleStates<'c>,
     batch: BatchId,
-    projection: Projection,
-) -> u64 {
-    let Some(set) = set else { return 0 };
-    let part = set
-        .batch_mut(batch.number())
-        .part(projection.accumulates_lambda);
-    let count = part.vertices.len() as u64;
-    match batch {
-        BatchId::Color(_) => sweep_color::<K, N>(leader, arch, particles, part, projection),
-        BatchId::Overflow => {
-            dispatch(arch, Sweep::<K, N>::serial(particles, part, projection));
+    is_back: bool,
+}
+
+impl BatchSweep<'_, '_, '_> {
+    /// Projects the batch and returns its number of constraints.
+    ///
+    /// The overflow is projected serially, on the way back from last to first.
+    fn project<K: Kernel<N>, const N: usize>(
+        self,
+        set: Option<&mut ConstraintSet<N>>,
+        projection: Projection,
+    ) -> u64 {
+        let Some(set) = set else { return 0 };
+        let part = set
+            .batch_mut(self.batch.number())
+            .part(projection.accumulates_lambda);
+        let (particles, arch) = (self.particles, self.arch);
+        let count = part.vertices.len() as u64;
+        match self.batch {
+            BatchId::Color(_) => {
+                sweep_color::<K, N>(self.leader, arch, particles, part, projection);
+            }
+            BatchId::Overflow => {
+                let sweep = Sweep::<K, N>::serial(particles, part, projection);
+                dispatch(arch, if self.is_back { sweep.reversed() } else { sweep });
+            }
         }
+        count
     }
-    count
 }
 
 /// Runs a pass of the global step and adds it to the statistics.
@@ -90,7 +106,7 @@ fn global_pass(
 }
 
 impl BodyStep<'_, '_, '_> {
-    /// Projects the constraints of all patches of a layer, or their lengths in reverse order.
+    /// Projects the constraints of all patches of a layer, in reverse order on the way back.
     pub(super) fn project_patches(&mut self, layer: usize, is_back: bool) {
         let patches = self.body.patches.of_layer_mut(layer);
         let (leader, constants) = (&mut *self.leader, self.constants);
@@ -104,9 +120,7 @@ impl BodyStep<'_, '_, '_> {
         );
         for patch in patches {
             self.stats.stretch_projections += patch.stretch.len() as u64;
-            if !is_back {
-                self.stats.bending_projections += patch.bending.len() as u64;
-            }
+            self.stats.bending_projections += patch.bending.len() as u64;
         }
     }
 
@@ -123,7 +137,7 @@ impl BodyStep<'_, '_, '_> {
         } = self;
         let (particles, v) = (self.particles, &mut *body.velocities);
         match pass {
-            Pass::Predict => predict::predict(particles, v, constants),
+            Pass::Predict => predict::predict(particles, v, self.corrections, constants),
             Pass::Pins => pins::pins(particles, body.pins, self.substeps_left),
             Pass::LongRangeAttachments => {
                 attachments::attachments(particles, body.attachments, constants.h)
@@ -150,23 +164,28 @@ impl BodyStep<'_, '_, '_> {
                 }
             }
             Pass::Project { kind, batch } | Pass::ProjectBack { kind, batch } => {
-                let (leader, arch) = (&mut **leader, *arch);
+                let sweep = BatchSweep {
+                    leader,
+                    arch: *arch,
+                    particles,
+                    batch,
+                    is_back: pass.is_back(),
+                };
                 match kind {
                     ConstraintKind::Stretch => {
-                        let (set, by) = (Some(&mut *body.stretch), constants.stretch);
-                        stats.stretch_projections +=
-                            project_batch::<Stretch, 2>(leader, arch, particles, set, batch, by);
+                        let set = Some(&mut *body.stretch);
+                        let count = sweep.project::<Stretch, 2>(set, constants.stretch);
+                        stats.stretch_projections += count;
                     }
                     ConstraintKind::Bending => {
-                        let (set, by) = (body.bending.as_deref_mut(), constants.bending);
-                        stats.bending_projections +=
-                            project_batch::<Bending, 4>(leader, arch, particles, set, batch, by);
+                        let set = body.bending.as_deref_mut();
+                        let count = sweep.project::<Bending, 4>(set, constants.bending);
+                        stats.bending_projections += count;
                     }
                     ConstraintKind::InteriorSpring => {
                         let set = body.interior_springs.as_deref_mut();
-                        let by = constants.interior_springs;
-                        stats.interior_spring_projections +=
-                            project_batch::<Stretch, 2>(leader, arch, particles, set, batch, by);
+                        let count = sweep.project::<Stretch, 2>(set, constants.interior_springs);
+                        stats.interior_spring_projections += count;
                     }
                 }
             }
@@ -200,12 +219,12 @@ impl BodyStep<'_, '_, '_> {
             Pass::CollidersBeforeVolumes | Pass::Colliders => {
                 let by = ColliderPass {
                     friction: constants.friction,
-                    h: constants.h,
+                    h: constants.collider_step,
                     time: self.time,
                 };
-                *self.meets_collider |= colliders::colliders(particles, v, body.colliders, by);
+                *self.meets_collider |= colliders::colliders(particles, v, self.corrections, body.colliders, by);
             }
-            Pass::Integrate => match integrate::integrate(particles, v, constants.h) {
+            Pass::Integrate => match integrate::integrate(particles, v, self.corrections, constants.h) {
                 Some(change) => {
                     stats.max_displacement += change;
                     stats.max_substep_displacement = stats.max_substep_displacement.max(change);

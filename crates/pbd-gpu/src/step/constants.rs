@@ -18,12 +18,12 @@ pub struct StepConstants {
     pub substeps: u32,
     /// Rounds of contacts and volumes per iteration.
     pub(crate) contact_rounds: u32,
-    /// Whether lengths are projected twice in an iteration, forward and back.
-    pub(crate) sweeps_back: bool,
+    /// Time of the frame per substep, by which colliders move \[s\].
+    pub(crate) collider_step: f32,
+    /// Share of the last internal displacement that the prediction repeats.
+    pub lift: f32,
     /// Change of velocity by gravity per substep [m/s].
     pub gravity_step: [f32; 3],
-    /// Factor of velocities per substep, from damping.
-    pub velocity_factor: f32,
     /// Coefficients of stretch constraints.
     pub stretch: Projection,
     /// Coefficients of bending constraints.
@@ -64,28 +64,6 @@ impl StepConstants {
             || self.interior_springs.accumulates_lambda
             || self.volume.accumulates_lambda
     }
-
-    /// Sets the fraction of old errors that rigid constraints leave.
-    ///
-    /// It stays 0 for compliant constraints, whose error is stored energy.
-    pub(crate) fn set_error_carryover(&mut self, fraction: f32) {
-        for projection in [
-            &mut self.stretch,
-            &mut self.bending,
-            &mut self.interior_springs,
-        ] {
-            projection.error_carryover = if projection.alpha > 0.0 {
-                0.0
-            } else {
-                fraction
-            };
-        }
-        self.volume.error_carryover = if self.volume.alpha > 0.0 {
-            0.0
-        } else {
-            fraction
-        };
-    }
 }
 
 /// Coefficients of one projection of a constraint.
@@ -96,15 +74,10 @@ impl StepConstants {
 pub struct Projection {
     /// Fraction of the error that one projection removes.
     pub factor: f32,
-    /// `alpha_tilde = compliance / h^2`, times `1 + damping h` where velocities are damped.
+    /// `alpha_tilde = compliance / h^2`, over `1 - lift`.
     pub alpha: f32,
     /// As in [`SolverParams`](crate::SolverParams).
     pub diagonal_scale: f32,
-    /// Fraction of the errors at the start of a substep that it leaves.
-    ///
-    /// Above 0 for rigid constraints only, and only after a longer substep: its errors would else
-    /// turn into velocity.
-    pub error_carryover: f32,
     /// Whether multipliers accumulate over the iterations of a substep. A single iteration or a
     /// rigid constraint needs none.
     pub accumulates_lambda: bool,
@@ -122,7 +95,6 @@ impl Projection {
         factor: 0.0,
         alpha: 0.0,
         diagonal_scale: 1.0,
-        error_carryover: 0.0,
         accumulates_lambda: false,
         recovery: 0.0,
         edge_stiffness: 0.0,
@@ -130,7 +102,7 @@ impl Projection {
 
     /// Returns true if the correction depends on multipliers or on errors before the substep.
     pub(crate) fn has_history(&self) -> bool {
-        self.accumulates_lambda || self.error_carryover > 0.0 || self.edge_stiffness < FIRM
+        self.accumulates_lambda || self.edge_stiffness < FIRM
     }
 
     /// Returns the projection of bending for edges of compliance `alpha`.
@@ -144,15 +116,14 @@ impl Projection {
 }
 
 impl Stiffness {
-    /// Returns the coefficients of one projection, for `iterations` of a substep of `h` \[s\].
-    pub(crate) fn projection(self, iterations: u32, h: f32) -> Projection {
+    /// Returns the coefficients of one projection, for `projections` in a substep of `h` \[s\].
+    pub(crate) fn projection(self, projections: u32, h: f32) -> Projection {
         match self {
             Self::Pbd(k) => Projection {
-                factor: fraction_per_projection(k, iterations),
+                factor: fraction_per_projection(k, projections),
                 alpha: 0.0,
                 diagonal_scale: 1.0,
-                error_carryover: 0.0,
-                accumulates_lambda: false,
+                        accumulates_lambda: false,
                 recovery: RECOVERY * h,
                 edge_stiffness: FIRM,
             },
@@ -160,8 +131,7 @@ impl Stiffness {
                 factor: 1.0,
                 alpha: compliance / (h * h),
                 diagonal_scale: 1.0,
-                error_carryover: 0.0,
-                accumulates_lambda: compliance > 0.0 && iterations > 1,
+                        accumulates_lambda: compliance > 0.0 && projections > 1,
                 recovery: RECOVERY * h,
                 edge_stiffness: FIRM,
             },
@@ -173,15 +143,14 @@ impl Stiffness {
     clippy::cast_possible_truncation,
     reason = "a number between 0 and 1 is rounded to storage"
 )]
-fn fraction_per_projection(k: f32, iterations: u32) -> f32 {
-    (1.0 - (1.0 - f64::from(k)).powf(1.0 / f64::from(iterations))) as f32
+fn fraction_per_projection(k: f32, projections: u32) -> f32 {
+    (1.0 - (1.0 - f64::from(k)).powf(1.0 / f64::from(projections))) as f32
 }
 
 /// Coefficients of one projection of a volume constraint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VolumeProjection {
-    /// `compressibility / h^2` of a rest volume of 1 m^3, times `1 + damping h` where velocities
-    /// are damped.
+    /// `compressibility / h^2` of a rest volume of 1 m^3, over `1 - lift`.
     pub alpha: f32,
     /// As in [`Volume`].
     pub pressure: f32,
@@ -195,8 +164,6 @@ pub struct VolumeProjection {
     /// Displacement per projection that carries the weight \[m\].
     pub sink: f32,
     /// As in [`Projection`].
-    pub error_carryover: f32,
-    /// As in [`Projection`].
     pub accumulates_lambda: bool,
 }
 
@@ -209,7 +176,6 @@ impl VolumeProjection {
         recovery: 0.0,
         is_pressed: false,
         sink: 0.0,
-        error_carryover: 0.0,
         accumulates_lambda: false,
     };
 }

@@ -17,6 +17,7 @@ use crate::step::prepare::{FrameInputs, both_orders};
 use crate::step::reach::{max_motion, reaches_colliders};
 use crate::step::rounds::contact_rounds;
 use crate::step::second_order::{Orders, add};
+use crate::step::substeps::Substeps;
 use incise_mesh::Surface;
 
 /// A body of an island: its solver and its surface.
@@ -32,7 +33,9 @@ pub struct Island {
     vertices: usize,
     members: Vec<Member>,
     /// Substeps of the frame.
-    substeps: u32,
+    substeps: Substeps,
+    /// Time that the frame leaves to the next one, in substeps.
+    time_left: f64,
     integrator: Integrator,
     /// Statistics of the second-order substeps so far, by member.
     sums: Vec<StepStats>,
@@ -142,26 +145,32 @@ impl Island {
             .check(dt)
             .map_err(|error| IslandError { body: 0, error })?;
         #[cfg(feature = "global")]
-        let params = &self.choose_schemes(bodies, dt, params);
+        let (params, short_substeps) = &self.choose_schemes(bodies, dt, params);
+        #[cfg(not(feature = "global"))]
+        let (params, short_substeps) = (params, &1);
+        let short_substeps = *short_substeps;
+        // Bodies that were created at different times may have other times left, by less than a
+        // substep. In lockstep that of the first one holds for all.
+        let (substeps, time_left) = match bodies.first() {
+            Some((first, _)) => first.substeps_of(dt, params),
+            None => Default::default(),
+        };
+        let substeps = substeps.divided(short_substeps);
         let needed = bodies
             .iter_mut()
-            .map(|(solver, _)| solver.needed_substeps(dt, params));
-        self.substeps = needed.fold(params.substeps, u32::max);
+            .map(|(solver, _)| solver.needed_parts(substeps.h, params));
+        let substeps = substeps.divided(needed.fold(1, u32::max));
+        (self.substeps, self.time_left) = (substeps, time_left);
         self.integrator = params.integrator;
         let presses = bodies.iter().map(|(solver, _)| solver.contacts().press());
         let press = presses.fold(self.contacts.press(), LoadRatio::max);
-        let h = dt / self.substeps as f32;
         let frame = FrameInputs {
             dt,
-            joins_pieces: self.contacts.joins_pieces(),
-            contact_rounds: contact_rounds(h, press, params.gravity),
+            substeps,
+            contact_rounds: contact_rounds(substeps.h, press, params.gravity),
             reaches_colliders: true,
         };
-        let reach = max_motion(bodies, dt, params.gravity);
-        let params = &SolverParams {
-            substeps: self.substeps,
-            ..*params
-        };
+        let reach = max_motion(bodies, dt + substeps.h, params.gravity);
         for (body, (solver, surface)) in bodies.iter_mut().enumerate() {
             let frame = FrameInputs {
                 reaches_colliders: reaches_colliders(solver, surface, reach, dt),
@@ -174,7 +183,8 @@ impl Island {
         Ok(())
     }
 
-    /// Chooses the scheme of each body, and returns the parameters of all.
+    /// Chooses the scheme of each body, and returns the parameters of all, and the number of parts
+    /// of their substeps.
     ///
     /// Obstacles and contacts would undo iterations of the global step, and these would undo
     /// projections. So an island has short substeps of sweeps if a body touches something, or its
@@ -185,7 +195,7 @@ impl Island {
         bodies: &mut [IslandBody<'_>],
         dt: f32,
         params: &SolverParams,
-    ) -> SolverParams {
+    ) -> (SolverParams, u32) {
         let is_touched = !self.contacts.is_empty();
         let (mut has_short_substeps, mut is_settling) = (false, false);
         for (solver, surface) in bodies {
@@ -193,14 +203,13 @@ impl Island {
             has_short_substeps |= choice == Choice::ShortSubsteps;
             is_settling |= choice == Choice::Settling;
         }
-        let (substeps, iterations) = if has_short_substeps {
-            let substeps = params.substeps.saturating_mul(params.iterations);
-            (substeps.saturating_mul(SHORT_SUBSTEPS_PER_ITERATION), 1)
+        let (parts, iterations) = if has_short_substeps {
+            let iterations = params.iterations;
+            (iterations.saturating_mul(SHORT_SUBSTEPS_PER_ITERATION), 1)
         } else {
-            (params.substeps, params.iterations)
+            (1, params.iterations)
         };
-        SolverParams {
-            substeps,
+        let params = SolverParams {
             iterations,
             // Second-order sweeps of stiff bodies add energy in contact. Settling changes the
             // displacements that BDF2 extrapolates.
@@ -210,7 +219,8 @@ impl Island {
                 params.integrator
             },
             ..*params
-        }
+        };
+        (params, parts)
     }
 
     /// Steps the prepared bodies by one frame.
@@ -227,6 +237,7 @@ impl Island {
             sums,
             scratch,
             substeps,
+            time_left,
             integrator,
             ..
         } = self;
@@ -235,15 +246,16 @@ impl Island {
                 for (solver, _) in bodies.iter_mut() {
                     solver.step_parts().2.history.forget();
                 }
-                execute(bodies, members, contacts, 0..*substeps, scratch)
+                execute(bodies, members, contacts, 0..substeps.count, scratch)
             }
             Integrator::Bdf2 => {
                 sums.clear();
                 sums.resize(members.len(), StepStats::default());
-                run_second_order(bodies, members, sums, contacts, *substeps, scratch)
+                run_second_order(bodies, members, sums, contacts, substeps.count, scratch)
             }
         };
         for ((solver, _), member) in bodies.iter_mut().zip(&*members) {
+            solver.set_time_left(*time_left);
             solver.end_step(done.is_ok().then_some(member.stats));
         }
         done.map_err(|at| {
@@ -276,7 +288,7 @@ fn prepare_member(
 ) -> Result<Member, StepError> {
     solver.check_step(surface)?;
     let constants = solver.prepare(frame, params)?;
-    let orders = both_orders(solver.material(), &constants, params);
+    let orders = both_orders(solver.material(), &frame, params);
     #[cfg(feature = "global")]
     {
         let of = match params.integrator {

@@ -23,8 +23,8 @@ impl StepState {
         (self.plan).finish_load(stretch, bending.as_ref(), interior_springs.as_ref());
         self.history.validate(slots)?;
         let mean = self.mean_rest_length.unwrap_or_default();
-        let times = [self.longest_substep, self.settling_time_left];
-        if !(times.iter().all(|time| time.is_finite()) && mean.is_finite()) {
+        let is_valid = self.settling_time_left.is_finite() && mean.is_finite();
+        if !(is_valid && (0.0..=1.0).contains(&self.time_left)) {
             let array = "times of the last step";
             return Err(InvalidSolver::Array { array });
         }

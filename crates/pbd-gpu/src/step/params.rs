@@ -8,26 +8,39 @@ use std::num::NonZeroUsize;
 incise_params::params! {
     /// Parameters of a frame. The y axis points up.
     ///
-    /// By default a frame has 16 substeps of one iteration with a diagonal scale of 1/2, near the
-    /// smallest error in the same time (`docs/benchmarks.md`). Soft sheets gain from
-    /// [`Integrator::Bdf2`], large and stiff bodies from [`Scheme::Auto`] with two substeps of four
-    /// iterations. More iterations in fewer substeps of sweeps have larger errors (Macklin et al.
-    /// 2019, "Small Steps in Physics Simulation").
+    /// By default there are 720 substeps a second of one iteration, near the smallest error in the
+    /// same time (`docs/benchmarks.md`). Soft sheets gain from [`Integrator::Bdf2`], large and stiff
+    /// bodies from [`Scheme::Auto`] with two substeps of four iterations a frame. More iterations in
+    /// fewer substeps of sweeps have larger errors (Macklin et al. 2019, "Small Steps in Physics
+    /// Simulation").
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct SolverParams {
-        /// Projections of every constraint per substep, usually 1 to 20.
+        /// Symmetric iterations per substep, usually 1 to 10.
+        ///
+        /// Each one projects every constraint twice, forward and back in reverse order. This makes
+        /// the product of all projections self-adjoint, so that no mode of a body can grow.
         ///
         /// Contacts and volumes have up to 24 projections each where heavy pieces press thin ones,
         /// see [`LoadRatio`](crate::LoadRatio).
         iterations: u32 = 1, range: Self::COUNTS;
-        /// Minimum substeps per frame, usually 1 to 20. They stiffen a body more than the same
-        /// number of iterations.
+        /// Length of a substep; `None` is one substep per frame, as long as the frame.
         ///
-        /// With a [plane](crate::Collider::Plane) a body takes more if it would fall by more than
-        /// 1/50 of its mean edge per iteration of a substep, as in a body of 1 cm. The plane would
-        /// flatten it otherwise. So does a body with [`Material::volume`](crate::Material::volume)
-        /// that would fall by more than 1/500 of the thickness `2 V / A` of a piece.
-        substeps: u32 = 16, range: Self::COUNTS;
+        /// A frame takes the whole number of substeps that the time allows, and carries the
+        /// remainder over to the next one. A constant length keeps the stiffness of rigid
+        /// constraints constant: changes of it would add energy. Shorter substeps stiffen a body
+        /// more than the same number of iterations.
+        ///
+        /// With a [plane](crate::Collider::Plane) a body divides its substeps if it would fall by
+        /// more than 1/50 of its mean edge per iteration of a substep, as in a body of 1 cm. The
+        /// plane would flatten it otherwise. So does a body with
+        /// [`Material::volume`](crate::Material::volume) that would fall by more than 1/500 of the
+        /// thickness `2 V / A` of a piece.
+        substep: Option<f32> = Some(1.0 / 720.0), range: Range::POSITIVE, unit: "s";
+        /// Share of the constraints' last displacement that the prediction of a substep repeats.
+        ///
+        /// It removes most of the dissipation of implicit Euler. Every mode of a body is stable for
+        /// at most 1/2. [`Integrator::Bdf2`] and the global step have none.
+        lift: f32 = 0.48, range: Range::at_least(0.0).up_to(0.5);
         /// Gravitational acceleration.
         gravity: [f32; 3] = [0.0, -9.81, 0.0], unit: "m/s^2";
         /// Displacement per iteration and axis below which a substep ends its iterations early.
@@ -125,12 +138,13 @@ incise_params::choices! {
 }
 
 impl SolverParams {
-    /// Returns the parameters of the paper: one substep of ten iterations.
+    /// Returns the parameters of the paper: one substep of ten projections per frame.
     #[must_use]
     pub const fn paper() -> Self {
         Self {
-            iterations: 10,
-            substeps: 1,
+            iterations: 5,
+            substep: None,
+            lift: 0.0,
             gravity: [0.0, -9.81, 0.0],
             residual: None,
             diagonal_scale: 1.0,
@@ -141,13 +155,22 @@ impl SolverParams {
         }
     }
 
+    /// Returns the parameters with `count` substeps in every frame of `dt` \[s\].
+    #[must_use]
+    pub const fn with_substeps(self, dt: f32, count: u32) -> Self {
+        Self {
+            substep: Some(dt / count as f32),
+            ..self
+        }
+    }
+
     /// Returns whether the GPU backend can step bodies with these parameters.
     #[must_use]
     pub fn is_supported_on_gpu(&self) -> bool {
         self.integrator == Integrator::Euler && self.scheme == Scheme::Sweeps
     }
 
-    /// Maximum number of iterations, and of substeps.
+    /// Maximum number of iterations, and of substeps of a frame.
     pub const MAX_COUNT: u32 = 1 << 20;
 
     /// Minimum length of a substep \[s\], the square root of the smallest normal number.
@@ -155,7 +178,7 @@ impl SolverParams {
     /// With [`Integrator::Bdf2`] a substep counts as two thirds of its length.
     pub const MIN_SUBSTEP: f32 = 1.0 / (1_u64 << 63) as f32;
 
-    /// Range of iterations, and of substeps.
+    /// Range of iterations.
     const COUNTS: Range = Range::at_least(1.0).up_to(Self::MAX_COUNT as f64);
 
     /// Checks all parameters and the time step `dt` \[s\].
@@ -167,7 +190,10 @@ impl SolverParams {
             return Err(StepError::BadTimeStep { value: dt });
         }
         self.check_ranges()?;
-        let h = dt / self.substeps as f32;
+        let h = self.substep.unwrap_or(dt);
+        if f64::from(dt) / f64::from(h) > f64::from(Self::MAX_COUNT) {
+            return Err(StepError::SubstepTooShort { h });
+        }
         let h = match self.integrator {
             Integrator::Euler => h,
             Integrator::Bdf2 => SUBSTEP_RATIO * h,

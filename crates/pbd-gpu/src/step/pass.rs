@@ -20,6 +20,11 @@ pub enum ConstraintKind {
 impl ConstraintKind {
     /// All kinds; the index of a kind is its number.
     pub const ALL: [Self; 3] = [Self::Stretch, Self::Bending, Self::InteriorSpring];
+
+    /// Returns 0 for the kinds that alternate by layer, 1 for interior springs.
+    fn stage(self) -> u32 {
+        u32::from(self == Self::InteriorSpring)
+    }
 }
 
 /// One pass over vertices or over the constraints of one batch.
@@ -49,15 +54,15 @@ pub enum Pass {
         /// The batch in the set of that kind.
         batch: BatchId,
     },
-    /// Projects the lengths of one batch once more: all batches of interior springs, then those of
-    /// edges, in reverse order.
+    /// Projects the constraints of one batch once more, on the way back: all batches in reverse
+    /// order.
     ///
-    /// Without these passes the sweep over lengths is not symmetric: it acts like a force that
-    /// depends on the order, and bodies that touch others sway without end.
+    /// Without these passes the product of projections is not self-adjoint. It has complex
+    /// eigenvalues then, whose modes grow in a body that nothing moves.
     ProjectBack {
-        /// Edges or interior springs.
+        /// The kind of the constraints.
         kind: ConstraintKind,
-        /// The batch in the set of that kind; the overflow keeps its inner order.
+        /// The batch in the set of that kind; the overflow reverses its inner order.
         batch: BatchId,
     },
     /// Runs an iteration of the global step, in place of projections.
@@ -91,11 +96,11 @@ type Rank = (
     usize,
     Option<ConstraintKind>,
     Option<BatchId>,
-    Option<(Reverse<ConstraintKind>, Reverse<usize>, Reverse<BatchId>)>,
+    Option<(Reverse<u32>, Reverse<usize>, Reverse<ConstraintKind>, Reverse<BatchId>)>,
 );
 
 impl Pass {
-    /// Returns the sort key of the pass: stage, layer, kind, batch; in reverse kind, layer, batch.
+    /// Returns the sort key of the pass: stage, layer, kind, batch; on the way back in reverse.
     fn rank(self) -> Rank {
         let stage = |stage| (stage, 0, None, None, None);
         match self {
@@ -107,14 +112,11 @@ impl Pass {
             Self::LongRangeAttachments => stage(5),
             Self::GlobalIteration => stage(6),
             Self::Project { kind, batch } => {
-                let stage = match kind {
-                    ConstraintKind::Stretch | ConstraintKind::Bending => 7,
-                    ConstraintKind::InteriorSpring => 8,
-                };
-                (stage, batch.layer(), Some(kind), Some(batch), None)
+                (7 + kind.stage(), batch.layer(), Some(kind), Some(batch), None)
             }
             Self::ProjectBack { kind, batch } => {
-                let reverse = (Reverse(kind), Reverse(batch.layer()), Reverse(batch));
+                let (stage, layer) = (Reverse(kind.stage()), Reverse(batch.layer()));
+                let reverse = (stage, layer, Reverse(kind), Reverse(batch));
                 (9, 0, None, None, Some(reverse))
             }
             Self::ContactsBeforeVolumes => stage(10),

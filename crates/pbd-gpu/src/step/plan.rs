@@ -16,8 +16,6 @@ pub(crate) struct PlanKey {
     pub(crate) attachments: bool,
     /// Whether the global step replaces projections.
     pub(crate) global: bool,
-    /// Whether a sweep over all lengths in reverse order follows.
-    pub(crate) sweeps_back: bool,
     pub(crate) volumes: bool,
     pub(crate) contacts: bool,
     pub(crate) colliders: bool,
@@ -86,12 +84,6 @@ impl StepPlan {
     #[cfg(feature = "global")]
     pub(crate) fn has_global_step(&self) -> bool {
         self.key.global
-    }
-
-    /// Returns whether a sweep over all lengths in reverse order follows the other projections.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn sweeps_back(&self) -> bool {
-        self.key.sweeps_back
     }
 
     /// Returns all passes of one substep in order of execution.
@@ -184,13 +176,9 @@ impl StepPlan {
             push_batches(list, ConstraintKind::Bending, bending);
             push_batches(list, ConstraintKind::InteriorSpring, interior_springs);
         }
-        if key.sweeps_back {
-            for i in 0..list.len() {
-                if let Pass::Project { kind, batch } = list[i]
-                    && kind != ConstraintKind::Bending
-                {
-                    list.push(Pass::ProjectBack { kind, batch });
-                }
+        for i in 0..list.len() {
+            if let Pass::Project { kind, batch } = list[i] {
+                list.push(Pass::ProjectBack { kind, batch });
             }
         }
         let before_volumes = key.contacts && key.volumes;
@@ -256,7 +244,6 @@ mod tests {
             pins: true,
             attachments: true,
             global: false,
-            sweeps_back: true,
             volumes: true,
             contacts: true,
             colliders: true,
@@ -266,27 +253,18 @@ mod tests {
         let [prologue, iteration, epilogue] = [plan.prologue(), plan.iteration(), plan.epilogue()];
         let once: Vec<Pass> = [prologue, iteration, epilogue].concat();
         assert!(once.is_sorted_by(|a, b| a < b), "{once:?}");
-        assert_eq!(iteration.len(), 1 + 5 * (64 + 1) + 5);
-        let lengths = |is_back: bool| {
+        assert_eq!(iteration.len(), 1 + 6 * (64 + 1) + 5);
+        let sweep = |is_back: bool| {
             let batches = iteration.iter().filter_map(move |pass| match *pass {
-                Pass::Project { kind, batch } if kind != ConstraintKind::Bending => {
-                    (!is_back).then_some((kind, batch))
-                }
+                Pass::Project { kind, batch } => (!is_back).then_some((kind, batch)),
                 Pass::ProjectBack { kind, batch } => is_back.then_some((kind, batch)),
                 _ => None,
             });
             batches.collect::<Vec<_>>()
         };
-        let mut back = lengths(true);
+        let mut back = sweep(true);
         back.reverse();
-        assert_eq!(back, lengths(false), "the sweep over lengths is symmetric");
-        let forward = PlanKey {
-            sweeps_back: false,
-            ..key
-        };
-        let mut other = plan.clone();
-        other.update(forward, &stretch, Some(&bending), Some(&interior_springs));
-        assert!(!other.passes().any(Pass::is_back), "nothing is touched");
+        assert_eq!(back, sweep(false), "an iteration is symmetric");
         let all: Vec<Pass> = plan.passes().collect();
         let iteration = [iteration, plan.contact_round()].concat();
         let iterations = iteration.repeat(3);

@@ -13,17 +13,15 @@ use crate::step::params::Scheme;
 use crate::step::params::{Integrator, SolverParams};
 use crate::step::plan::PlanKey;
 use crate::step::second_order::{Orders, SUBSTEP_RATIO};
-
-/// Decay time of the longest recent substep [lengths of that substep].
-const MEMORY: f32 = 10.0;
+use crate::step::substeps::Substeps;
 
 /// Inputs of a frame of one body: its length, contacts and collisions.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FrameInputs {
     /// Length of the frame \[s\].
     pub(crate) dt: f32,
-    /// Whether a contact joins two pieces.
-    pub(crate) joins_pieces: bool,
+    /// Its substeps, not all of which may fit into it: some of their time is of the last frame.
+    pub(crate) substeps: Substeps,
     /// Rounds of contacts and volumes per iteration, more where heavy pieces press thin ones.
     pub(crate) contact_rounds: u32,
     /// Whether a collider may reach the body within the frame; true if that is not known.
@@ -42,12 +40,14 @@ pub(crate) fn prepare(
     frame: FrameInputs,
     params: &SolverParams,
 ) -> Result<StepConstants, StepError> {
-    let h = frame.dt / params.substeps as f32;
+    let h = frame.substeps.h;
     let global = takes_global_step(step, params);
-    // Stacked bodies come to rest only if the sweep over lengths is symmetric.
-    let sweeps_back = (frame.joins_pieces || constraints.contacts.joins_pieces()) && !global;
     let rounds = frame.contact_rounds;
-    let mut constants = constants_of(material, h, params.substeps, sweeps_back, rounds, params);
+    let lift = match params.integrator {
+        Integrator::Euler if !global => params.lift,
+        _ => 0.0,
+    };
+    let constants = constants_of(material, &frame, h, lift, params);
     constants.check()?;
     let pieces = constraints.volumes.pieces().iter();
     let max_volume = pieces.map(|piece| piece.rest().abs()).fold(0.0, f32::max);
@@ -55,9 +55,8 @@ pub(crate) fn prepare(
         return Err(StepError::SubstepTooShort { h });
     }
     if params.integrator == Integrator::Bdf2 {
-        constants_of(material, SUBSTEP_RATIO * h, 1, sweeps_back, rounds, params).check()?;
+        constants_of(material, &frame, SUBSTEP_RATIO * h, lift, params).check()?;
     }
-    constants.set_error_carryover(error_carryover(&mut step.longest_substep, frame.dt, h));
     let attachments =
         params.attachments && !particles.pins.is_empty() && material.stretch.is_rigid();
     let Constraints {
@@ -76,7 +75,6 @@ pub(crate) fn prepare(
     let key = PlanKey {
         attachments,
         global,
-        sweeps_back,
         iterations: params.iterations,
         contact_rounds: rounds,
         pins: !particles.pins.is_empty(),
@@ -102,90 +100,64 @@ pub(crate) fn takes_global_step(_: &StepState, _: &SolverParams) -> bool {
     false
 }
 
-/// Returns the fraction of old errors that rigid constraints leave in a frame of `dt` \[s\].
-///
-/// Velocities follow from displacements, so the remaining error of a long substep would be an
-/// impulse in a short one. It is corrected as fast as in the longest recent substep instead.
-fn error_carryover(longest_substep: &mut f32, dt: f32, h: f32) -> f32 {
-    let longest = *longest_substep;
-    if h >= longest {
-        *longest_substep = h;
-        return 0.0;
-    }
-    *longest_substep -= dt / MEMORY;
-    1.0 - h / longest
-}
-
 /// Returns the constants of single substeps of first and second order, for BDF2.
 pub(crate) fn both_orders(
     material: &Material,
-    constants: &StepConstants,
+    frame: &FrameInputs,
     params: &SolverParams,
 ) -> Orders {
-    let order = |h| {
-        let &StepConstants {
-            sweeps_back,
-            contact_rounds,
-            ..
-        } = constants;
-        let mut order = constants_of(material, h, 1, sweeps_back, contact_rounds, params);
-        order.stretch.error_carryover = constants.stretch.error_carryover;
-        order.bending.error_carryover = constants.bending.error_carryover;
-        order.interior_springs.error_carryover = constants.interior_springs.error_carryover;
-        order.volume.error_carryover = constants.volume.error_carryover;
-        order
+    let order = |h| StepConstants {
+        substeps: 1,
+        ..constants_of(material, frame, h, 0.0, params)
     };
     Orders {
-        first: order(constants.h),
-        second: order(SUBSTEP_RATIO * constants.h),
+        first: order(frame.substeps.h),
+        second: order(SUBSTEP_RATIO * frame.substeps.h),
     }
 }
 
-/// Returns the constants of substeps of `h` \[s\].
+/// Returns the constants of the substeps of a frame, for a length of `h` \[s\].
 fn constants_of(
     material: &Material,
+    frame: &FrameInputs,
     h: f32,
-    substeps: u32,
-    sweeps_back: bool,
-    contact_rounds: u32,
+    lift: f32,
     params: &SolverParams,
 ) -> StepConstants {
-    let damping = 1.0 + material.damping * h;
-    // Damping acts on constraint forces as on gravity; otherwise it would hold up a soft body that
-    // hangs at rest.
-    let projection_of = |stiffness: Stiffness, sweeps: u32| {
-        let projection = stiffness.projection(params.iterations.saturating_mul(sweeps), h);
+    // The prediction repeats a share of the constraint forces, and projections do the rest.
+    let softer = 1.0 / (1.0 - lift);
+    let projection_of = |stiffness: Stiffness| {
+        let projection = stiffness.projection(params.iterations.saturating_mul(2), h);
         Projection {
-            alpha: projection.alpha * damping,
+            alpha: projection.alpha * softer,
             diagonal_scale: params.diagonal_scale,
             ..projection
         }
     };
-    let of_length = |stiffness| projection_of(stiffness, 1 + u32::from(sweeps_back));
-    let stretch = of_length(material.stretch);
-    let bending = |stiffness| projection_of(stiffness, 1).beside_edges(stretch.alpha);
+    let stretch = projection_of(material.stretch);
+    let bending = |stiffness| projection_of(stiffness).beside_edges(stretch.alpha);
     let interior_springs = |springs: InteriorSprings| Projection {
         diagonal_scale: DIAGONAL_SCALE,
-        ..of_length(springs.stiffness)
+        ..projection_of(springs.stiffness)
     };
     let gravity_step = params.gravity.map(|g| g * h);
     let volume = |volume: Volume| {
         let projection = volume.projection(params.iterations, h, gravity_step);
         VolumeProjection {
-            alpha: projection.alpha * damping,
+            alpha: projection.alpha * softer,
             diagonal_scale: params.diagonal_scale,
-            is_pressed: contact_rounds > 1,
+            is_pressed: frame.contact_rounds > 1,
             ..projection
         }
     };
     let springs = material.interior_springs;
     StepConstants {
         h,
-        substeps,
-        contact_rounds,
-        sweeps_back,
+        substeps: frame.substeps.count,
+        contact_rounds: frame.contact_rounds,
+        collider_step: frame.dt / frame.substeps.count.max(1) as f32,
+        lift,
         gravity_step,
-        velocity_factor: 1.0 / damping,
         stretch,
         bending: material.bending.map_or(Projection::NONE, bending),
         interior_springs: springs.map_or(Projection::NONE, interior_springs),

@@ -82,6 +82,8 @@ pub(crate) struct Stage<'a> {
     pub(crate) substeps_left: u32,
     /// States of the island.
     pub(crate) particles: ParticleStates<'a>,
+    /// Displacements by constraints \[m\], shape [vertex slots of the island]; empty without a lift.
+    pub(crate) corrections: &'a [Cell<[f32; 4]>],
     /// Vertices that a piece carries, shape [vertex slots of the island]; empty without contacts.
     pub(crate) carried: &'a [Cell<bool>],
     pub(crate) arch: Arch,
@@ -136,6 +138,7 @@ impl NullaryFnOnce for Run<'_, '_, '_, '_> {
         let vertices = member.first..member.first + count;
         let mut step = BodyStep {
             particles: stage.particles.slice(member.first, count),
+            corrections: stage.corrections.get(vertices.clone()).unwrap_or_default(),
             carried: stage.carried.get(vertices).unwrap_or_default(),
             body,
             constants: &member.constants,
@@ -167,6 +170,5 @@ impl NullaryFnOnce for Run<'_, '_, '_, '_> {
 
 /// Returns the time of the frame at the end of a substep \[s\].
 pub(crate) fn time_after(substep: u32, member: &Member) -> f32 {
-    // A second-order substep is longer than its first-order part.
-    (substep + 1) as f32 * member.orders.first.h
+    (substep + 1) as f32 * member.constants.collider_step
 }

@@ -140,7 +140,7 @@ pub(crate) struct PatchSweep<'a> {
     pub(crate) patch: &'a mut PatchContent,
     pub(crate) stretch: Projection,
     pub(crate) bending: Projection,
-    /// Whether to project the lengths alone, in reverse order.
+    /// Whether to project in reverse order.
     pub(crate) is_back: bool,
 }
 
@@ -151,6 +151,10 @@ impl WithGather for PatchSweep<'_> {
     fn with<G: Gather<L>, const L: usize>(self, gather: G) {
         let (particles, patch) = (self.particles, self.patch);
         if self.is_back {
+            for run in patch.bending.runs(self.bending.accumulates_lambda).rev() {
+                let sweep = Sweep::<Bending, 4>::blocks(particles, run, self.bending);
+                sweep.reversed().with(gather);
+            }
             for run in patch.stretch.runs(self.stretch.accumulates_lambda).rev() {
                 let sweep = Sweep::<Stretch, 2>::blocks(particles, run, self.stretch);
                 sweep.reversed().with(gather);
@@ -228,7 +232,6 @@ mod tests {
 
     fn compare<K: Kernel<N>, const N: usize>(count: usize) {
         let projection = Projection {
-            error_carryover: 0.25,
             ..Stiffness::Compliance(1e-3).projection(2, 0.05)
         };
         let run = |sweep: &dyn Fn(ParticleStates<'_>, Part<'_, N>)| {

@@ -49,9 +49,9 @@ fn a_load_of_a_million_weights_does_not_stretch_a_sheet() {
             let (mut surface, mut solver) = ribbon(stretch, 1e6);
             let params = SolverParams {
                 iterations,
-                substeps,
                 ..SolverParams::default()
-            };
+            }
+            .with_substeps(DT, substeps);
             for _ in 0..600 {
                 solver.step(&mut surface, DT, &params).unwrap();
             }
@@ -71,11 +71,11 @@ fn the_effect_vanishes_with_shorter_substeps() {
         let (mut surface, mut solver) = ribbon(Stiffness::Compliance(0.0), 1.0);
         let params = SolverParams {
             iterations: 20,
-            substeps,
             gravity: [4.0, -9.81, 3.0],
             attachments,
             ..SolverParams::default()
-        };
+        }
+        .with_substeps(DT, substeps);
         for _ in 0..20 {
             solver.step(&mut surface, DT, &params).unwrap();
         }
@@ -228,10 +228,10 @@ fn old_stretch_is_corrected_slowly() {
         }
         let params = SolverParams {
             iterations,
-            substeps,
             attachments,
             ..SolverParams::default()
-        };
+        }
+        .with_substeps(DT, substeps);
         solver.step(&mut surface, DT, &params).unwrap();
         solver.set_stretch(Stiffness::Compliance(0.0)).unwrap();
         let mut most: f64 = 0.0;

@@ -293,9 +293,9 @@ fn the_frame_of_an_edit_makes_a_quarter_of_the_iterations_of_a_large_body() {
         let (mut surface, mut solver) = body(icosphere(level, 0.5), &elastic(1e-5, 1e-2));
         let params = SolverParams {
             iterations: 4,
-            substeps: 2,
             ..GLOBAL
-        };
+        }
+        .with_substeps(DT, 2);
         let found = [false, true, false].map(|is_edited| {
             if is_edited {
                 let delta = split(&mut surface, TriangleId(77).half_edges()[0], 0.4).unwrap();
@@ -343,9 +343,9 @@ fn ball_above_the_ground(material: &Material, substeps: u32) -> (Surface, Solver
         .unwrap();
     let params = SolverParams {
         iterations: 8,
-        substeps,
         ..GLOBAL
-    };
+    }
+    .with_substeps(DT, substeps);
     (surface, solver, params)
 }
 

@@ -12,12 +12,12 @@ const DT: f32 = 1.0 / 60.0;
 
 /// Two substeps of four iterations without gravity and ground.
 const GLOBAL: SolverParams = SolverParams {
-    substeps: 2,
     iterations: 4,
     gravity: [0.0; 3],
     scheme: Scheme::Global,
     ..SolverParams::paper()
-};
+}
+.with_substeps(DT, 2);
 
 fn elastic(stretch: f32, bending: Option<f32>) -> Material {
     Material {
@@ -215,7 +215,7 @@ fn a_hanging_body_that_was_touched_takes_the_global_step_again() {
     pin_top(&mut solver, &mut surface);
     let params = SolverParams {
         gravity: [0.0, -9.81, 0.0],
-        substeps: 1,
+        substep: None,
         ..GLOBAL
     };
     let is_pushed = |v: &VertexId| surface.position(*v).x > 0.1;
@@ -292,7 +292,7 @@ fn one_iteration_does_not_explode() {
     let first = solver.kinetic_energy();
     for frame in 0..80 {
         let params = SolverParams {
-            substeps: 1,
+            substep: None,
             iterations: 1,
             ..GLOBAL
         };

@@ -35,12 +35,12 @@ fn a_stiff_bar_swings_about_its_pins() {
             solver.pin(&mut surface, v).unwrap();
         }
         let params = SolverParams {
-            substeps: 2,
             iterations: 4,
             gravity: [0.0, -9.81, 0.0],
             scheme: Scheme::Global,
             ..SolverParams::paper()
-        };
+        }
+        .with_substeps(DT, 2);
         let mass: f64 = solver.masses().iter().map(|&m| f64::from(m)).sum();
         let mut most = (0.0_f64, 0.0);
         for _ in 0..45 {
@@ -87,7 +87,6 @@ fn a_settling_body_does_not_spin_up_about_its_pin() {
     for frame in 0..100 {
         let is_pulled = frame < 5;
         let params = SolverParams {
-            substeps: 2,
             iterations: 4,
             gravity: [if is_pulled { 60.0 } else { 0.0 }, 0.0, 0.0],
             scheme: if frame < 8 {
@@ -96,7 +95,8 @@ fn a_settling_body_does_not_spin_up_about_its_pin() {
                 Scheme::Global
             },
             ..SolverParams::paper()
-        };
+        }
+        .with_substeps(DT, 2);
         solver.step(&mut surface, DT, &params).unwrap();
         let kinetic = solver.kinetic_energy();
         if frame < 8 {

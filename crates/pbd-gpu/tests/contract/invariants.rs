@@ -16,10 +16,10 @@ fn free_fall_equals_its_closed_form() {
         let mut surface = sphere(1, [place, place, place]);
         let mut solver = Solver::new(&mut surface, &Material::default()).unwrap();
         let params = SolverParams {
-            substeps: 100,
             iterations: 1,
             ..SolverParams::paper()
-        };
+        }
+        .with_substeps(1.0 / 60.0, 100);
         let v0 = 0.3;
         for v in surface.topology().vertices() {
             solver.set_velocity(v, [0.0, v0, 0.0]).unwrap();
@@ -82,9 +82,9 @@ fn pins_hold_and_follow_their_targets() {
     solver.pin(&mut surface, v).unwrap();
     let place = surface.positions()[v.index()];
     let params = SolverParams {
-        substeps: 3,
         ..SolverParams::paper()
-    };
+    }
+    .with_substeps(1.0 / 60.0, 3);
     for _ in 0..60 {
         solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
     }

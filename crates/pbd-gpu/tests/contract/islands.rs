@@ -242,12 +242,12 @@ fn touching_bodies_of_two_schemes_move_together() {
         ..Material::default()
     };
     let params = SolverParams {
-        substeps: 2,
         iterations: 4,
         gravity: [0.0; 3],
         scheme: Scheme::Global,
         ..SolverParams::paper()
-    };
+    }
+    .with_substeps(DT, 2);
     for compliances in [[0.0, 1e-4], [1e-4, 0.0]] {
         let bodies = [0.0, 2.5].into_iter().zip(compliances);
         let mut bodies = Bodies(

@@ -91,17 +91,28 @@ fn a_failed_step_moves_nothing() {
         let text = format!("{text}; it must be from 1 to 1048576");
         (FRAME, params, text)
     };
+    let not_positive = |text: &str, params| {
+        let text = format!("{text}; it must be a finite number above 0");
+        (FRAME, params, text)
+    };
     let not_finite = |text: &str, params| {
         let text = format!("{text}; it must be a finite number");
         (FRAME, params, text)
+    };
+    let too_many = PARAMS.with_substeps(FRAME, 2 * SolverParams::MAX_COUNT);
+    let too_short = StepError::SubstepTooShort {
+        h: FRAME / (1 << 21) as f32,
     };
     for (dt, params, expected) in [
         time_step(0.0),
         time_step(-1.0),
         time_step(f32::INFINITY),
         count("iterations is 0", with(|p| p.iterations = 0)),
-        count("substeps is 0", with(|p| p.substeps = 0)),
-        count("substeps is 4294967295", with(|p| p.substeps = u32::MAX)),
+        not_positive("substep is 0", with(|p| p.substep = Some(0.0))),
+        not_positive("substep is -1", with(|p| p.substep = Some(-1.0))),
+        not_positive("substep is NaN", with(|p| p.substep = Some(f32::NAN))),
+        not_positive("substep is inf", with(|p| p.substep = Some(f32::INFINITY))),
+        (FRAME, too_many, too_short.to_string()),
         not_finite("gravity is NaN", with(|p| p.gravity[1] = f32::NAN)),
         not_finite("gravity is inf", with(|p| p.gravity[1] = f32::INFINITY)),
     ] {
@@ -133,10 +144,7 @@ fn a_substep_has_a_square_that_is_a_normal_number() {
     let least = SolverParams::MIN_SUBSTEP;
     assert_eq!(least * least, f32::MIN_POSITIVE, "it is its square root");
     let paper = SolverParams::paper();
-    let two = SolverParams {
-        substeps: 2,
-        ..paper
-    };
+    let two = |dt| paper.with_substeps(dt, 2);
     let second = SolverParams {
         integrator: Integrator::Bdf2,
         ..paper
@@ -144,7 +152,7 @@ fn a_substep_has_a_square_that_is_a_normal_number() {
     for (params, dt, h) in [
         (paper, 1e-44, 1e-44),
         (paper, least.next_down(), least.next_down()),
-        (two, least, 0.5 * least),
+        (two(least), least, 0.5 * least),
         (second, least, 2.0 / 3.0 * least),
     ] {
         let (mut surface, mut solver) = moving();
@@ -157,7 +165,7 @@ fn a_substep_has_a_square_that_is_a_normal_number() {
     }
     for (params, dt) in [
         (paper, least),
-        (two, 2.0 * least),
+        (two(2.0 * least), 2.0 * least),
         (second, 1.5 * least.next_up()),
     ] {
         let (mut surface, mut solver) = moving();

@@ -9,7 +9,8 @@ const COMPLIANCE: f32 = 1e-3;
 const DT: f32 = 1.0 / 60.0;
 const WEIGHTLESS: SolverParams = SolverParams {
     iterations: 1,
-    substeps: 1,
+    substep: None,
+    lift: 0.0,
     gravity: [0.0; 3],
     residual: None,
     diagonal_scale: 1.0,
@@ -59,12 +60,14 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
 
 #[test]
 fn the_formula_is_of_second_order_and_implicit_euler_of_first() {
-    let ways = |integrator, substeps| SolverParams {
-        // Two springs share the corner: iterations close them.
-        iterations: 24,
-        substeps,
-        integrator,
-        ..WEIGHTLESS
+    let ways = |integrator, substeps| {
+        SolverParams {
+            // Two springs share the corner: iterations close them.
+            iterations: 24,
+            integrator,
+            ..WEIGHTLESS
+        }
+        .with_substeps(DT, substeps)
     };
     let frames = 6;
     let exact = swing(&ways(Integrator::Bdf2, 512), frames, 1.05);
@@ -88,10 +91,10 @@ fn free_fall_equals_the_formula() {
         solver.unpin(&mut surface, pinned).unwrap();
     }
     let params = SolverParams {
-        substeps: 5,
         gravity: [0.0, -9.81, 0.0],
         ..WEIGHTLESS
-    };
+    }
+    .with_substeps(DT, 5);
     let (h, g) = (f64::from(DT) / 5.0, -9.81);
     let (mut x, mut u) = ([0.0; 2], [0.0; 2]);
     for frame in 0..4 {
@@ -167,10 +170,10 @@ fn iterations_converge_to_one_result_at_any_diagonal_scale() {
     let by = |diagonal_scale| {
         let params = SolverParams {
             iterations: 60,
-            substeps: 4,
             diagonal_scale,
             ..WEIGHTLESS
-        };
+        }
+        .with_substeps(DT, 4);
         swing(&params, 5, 1.05)
     };
     let (whole, half) = (by(1.0), by(0.5));
@@ -203,10 +206,10 @@ fn a_moving_plane_is_followed_in_every_substep() {
     let (rate, normal) = (0.5, [1.0, 0.0, 0.0]);
     for integrator in [Integrator::Euler, Integrator::Bdf2] {
         let params = SolverParams {
-            substeps: 4,
             integrator,
             ..WEIGHTLESS
-        };
+        }
+        .with_substeps(DT, 4);
         for _ in 0..5 {
             let start = surface.positions()[v.index()][0];
             let plane = Contact {
@@ -240,10 +243,10 @@ fn a_volume_recovers_at_the_same_rate_with_both_integrators() {
             p[..3].iter_mut().for_each(|c| *c *= 0.9);
         }
         let params = SolverParams {
-            substeps: 4,
             integrator,
             ..WEIGHTLESS
-        };
+        }
+        .with_substeps(DT, 4);
         // Three rest volumes per second, from the cube of 0.9.
         let mut expected = 0.729;
         for frame in 0..4 {

@@ -178,8 +178,8 @@ fn thin_pieces_take_more_substeps_unless_they_are_slivers() {
         solver.substeps()
     };
     let volume = Some(Volume::default());
-    assert!(substeps(0.01, volume) > 16, "a thin piece");
-    assert_eq!(substeps(1.0, volume), 16, "two balls");
-    assert_eq!(substeps(0.0005, volume), 16, "a sliver");
-    assert_eq!(substeps(0.01, None), 16, "without a volume");
+    assert!(substeps(0.01, volume) > 12, "a thin piece");
+    assert_eq!(substeps(1.0, volume), 12, "two balls");
+    assert_eq!(substeps(0.0005, volume), 12, "a sliver");
+    assert_eq!(substeps(0.01, None), 12, "without a volume");
 }

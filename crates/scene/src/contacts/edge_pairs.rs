@@ -32,9 +32,9 @@ pub(super) struct EdgePairs {
     /// By pair: its normal and minimum distance \[m\], if the edges touch.
     #[cfg_attr(feature = "serde", serde(skip))]
     touches: Vec<Option<(Vec3, f64)>>,
-    /// The contacts and minimum distances \[m\] of this search, and whether they are folds.
+    /// The contacts and minimum distances \[m\] of this search.
     #[cfg_attr(feature = "serde", serde(skip))]
-    touching: Vec<(EdgePair, f64, bool)>,
+    touching: Vec<(EdgePair, f64)>,
     /// By edge: index of the first previous contact that it begins.
     #[cfg_attr(feature = "serde", serde(skip))]
     known: Vec<u32>,
@@ -263,23 +263,25 @@ impl Search<'_> {
                 let [a, b] = [i, j].map(|i| &pairs.edges[i as usize]);
                 let (key, ends) = ([a.key(), b.key()], [a.edge.ends, b.edge.ends]);
                 let pair = EdgePair { key, ends, normal };
-                pairs.touching.push((pair, gap, a.piece == b.piece));
+                pairs.touching.push((pair, gap));
             }
         }
         pairs.touches = touches;
-        pairs.touching.sort_unstable_by_key(|(pair, ..)| pair.key);
+        pairs.touching.sort_unstable_by_key(|(pair, _)| pair.key);
         pairs.found.clear();
-        for &(pair, gap, is_fold) in &pairs.touching {
+        for &(pair, gap) in &pairs.touching {
             let [body, other] = pair.key.map(|(body, _)| body);
             let bodies = [body, other].map(|i| self.bodies[i as usize].as_ref());
             if let [Some(of_first), Some(of_second)] = bodies {
                 pairs.found.push(pair);
                 all[body as usize].edge_contacts.push(BodyContact {
                     other,
-                    contact: Contact {
-                        is_fold,
-                        ..edge_edge(pair.ends, pair.normal, gap, friction(of_first, of_second))
-                    },
+                    contact: edge_edge(
+                        pair.ends,
+                        pair.normal,
+                        gap,
+                        friction(of_first, of_second),
+                    ),
                 });
             }
         }

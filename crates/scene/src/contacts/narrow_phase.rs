@@ -198,7 +198,6 @@ impl Search<'_> {
         row.contacts.push(BodyContact {
             other,
             contact: Contact {
-                is_fold,
                 press: if is_fold {
                     LoadRatio::NONE
                 } else {

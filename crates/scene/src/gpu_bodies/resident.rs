@@ -375,7 +375,6 @@ fn is_at_rest(
         return Ok(false);
     };
     let edge = body.solver().mean_rest_length();
-    let h = f64::from(params.dt) / f64::from(body.solver().substeps().max(1));
-    let limit = sleep.limit(edge, &bounds, h);
+    let limit = sleep.limit(edge, &bounds, body.solver().substep().into());
     Ok(f64::from(displacement) <= limit)
 }

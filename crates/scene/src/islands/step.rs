@@ -181,8 +181,8 @@ impl Scene {
             && let Some(displacement) = self.sleep.observe(i, done.max_substep_displacement)
         {
             let edge = body.solver().mean_rest_length();
-            let h = f64::from(self.params.dt) / f64::from(done.substeps);
-            let limit = sleep.limit(edge, &body.surface().bounds(), h);
+            let h = body.solver().substep();
+            let limit = sleep.limit(edge, &body.surface().bounds(), h.into());
             self.sleep.set_at_rest(i, f64::from(displacement) <= limit);
         }
     }

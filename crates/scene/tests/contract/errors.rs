@@ -194,7 +194,7 @@ fn all_parameters_are_checked_on_request() {
     };
     assert!(text(|p| p.dt = f32::NAN).contains("dt is NaN"));
     assert!(text(|p| p.solver.gravity[1] = f32::NAN).contains("gravity"));
-    assert!(text(|p| p.solver.substeps = 0).contains("substeps"));
+    assert!(text(|p| p.solver.substep = Some(0.0)).contains("substep"));
     assert!(text(|p| p.cut.refine.grading = f64::NAN).contains("grading"));
     assert!(text(|p| p.cut.cap_uv_scale = f64::NAN).contains("cap_uv_scale"));
     let thick = ContactParams {

@@ -8,10 +8,7 @@ use incise_test_support::random::Random;
 
 fn scene() -> (Scene, BodyId, BladeId) {
     let mut scene = Scene::new(SceneParams {
-        solver: SolverParams {
-            substeps: 2,
-            ..SolverParams::default()
-        },
+        solver: SolverParams::default().with_substeps(1.0 / 60.0, 2),
         contacts: Some(ContactParams {
             self_collision: true,
             ..ContactParams::default()

@@ -346,11 +346,11 @@ fn check_solver(params: &SolverParams) {
 
 #[test]
 fn second_order_solvers_go_on_with_the_same_bits() {
-    check_solver(&SolverParams {
+    let params = SolverParams {
         integrator: Integrator::Bdf2,
-        substeps: 2,
         ..SolverParams::default()
-    });
+    };
+    check_solver(&params.with_substeps(1.0 / 60.0, 2));
 }
 
 /// Returns parameters of the global step. Programs of the whole workspace have it.
@@ -358,7 +358,7 @@ fn global() -> Option<SolverParams> {
     Scheme::from_name("global").map(|scheme| SolverParams {
         scheme,
         iterations: 4,
-        substeps: 1,
+        substep: None,
         ..SolverParams::default()
     })
 }

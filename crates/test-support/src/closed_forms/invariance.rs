@@ -27,7 +27,7 @@ pub(super) fn drift(advance: Advance<'_>) {
         let (mut surface, mut solver, center) = spun(1.2);
         let before = solver.angular_momentum(&surface, center.into())[2];
         let frames = (0.25 / h).round() as u32;
-        advance(&mut surface, &mut solver, h, &still(60, 1), frames);
+        advance(&mut surface, &mut solver, h, &still(60), frames);
         1.0 - solver.angular_momentum(&surface, center.into())[2] / before
     };
     let [coarse, fine] = [0.01, 0.005].map(&mut lost);
@@ -62,7 +62,7 @@ pub(super) fn turned(advance: Advance<'_>) {
             let velocity = [velocity.x as f32, velocity.y as f32, velocity.z as f32];
             solver.set_velocity(v, velocity).expect("a vertex");
         }
-        advance(&mut surface, &mut solver, 1.0 / 60.0, &still(5, 4), 20);
+        advance(&mut surface, &mut solver, 1.0 / 60.0, &still(5).with_substeps(1.0 / 60.0, 4), 20);
         surface
     };
     let plain = moved(&|p| p);
@@ -98,7 +98,7 @@ fn at_rest(advance: Advance<'_>, h: f32, iterations: u32, place: impl Fn(u32) ->
         &mut surface,
         &mut solver,
         h,
-        &falling(iterations, 1),
+        &falling(iterations),
         frames,
     );
     let all = 0..(N + 1) * (N + 1);

@@ -228,13 +228,13 @@ fn settings_apply_to_the_next_frame_and_cut() {
     s.apply(Command::Undo);
     let mut settings = Settings::default();
     settings.scene.cut.refine.level = RefinementLevel::Finer2;
-    settings.scene.solver.substeps = 4;
+    settings.scene.solver.iterations = 4;
     settings.material.stretch = Stiffness::Pbd(0.5);
     settings.material.volume = None;
     s.apply(Command::Set(settings));
     s.apply(across(0.1));
     assert!(s.surface().topology().triangle_count() > coarse);
-    assert_eq!(s.scene().params.solver.substeps, 4);
+    assert_eq!(s.scene().params.solver.iterations, 4);
     let v = VertexId(0);
     s.apply(Command::Pin { vertex: v.0 });
     // Other bending and interior springs rebuild the body; pins and the undo stack are kept.
@@ -414,7 +414,7 @@ fn recordings_with_unknown_or_wrong_settings_name_them() {
     let now = serde_json::to_string(&Settings::default()).unwrap();
     for (settings, expected) in [
         (r#"{"method":"exact"}"#, "method"),
-        (r#"{"scene":{"solver":{"substeps":0}}}"#, "substeps"),
+        (r#"{"scene":{"solver":{"substep":0}}}"#, "substep"),
     ] {
         let text = text.replace(&now, settings);
         let error = Recording::read(text.as_bytes()).unwrap_err().to_string();

@@ -6,6 +6,7 @@ use crate::error::ViewError;
 use crate::keys::Action;
 use incise_pbd_gpu::SolverParams;
 use incise_refine::RefinementLevel;
+use incise_scene::SceneParams;
 use std::fs::File;
 use std::io::BufWriter;
 
@@ -24,7 +25,6 @@ impl OpenWindow {
     pub(super) fn execute(&mut self, action: Action) -> Result<(), ViewError> {
         let mut settings = *self.session.settings();
         let level = &mut settings.scene.cut.refine.level;
-        let substeps = &mut settings.scene.solver.substeps;
         match action {
             Action::SelectTool(tool) => self.pointer.tool = tool,
             Action::Pause => self.paused = !self.paused,
@@ -46,8 +46,8 @@ impl OpenWindow {
             Action::BatchColors => self.display.batches ^= true,
             Action::Coarser => *level = next_level(*level, false),
             Action::Finer => *level = next_level(*level, true),
-            Action::FewerSubsteps => *substeps = (*substeps - 1).max(1),
-            Action::MoreSubsteps => *substeps = (*substeps + 1).min(SolverParams::MAX_COUNT),
+            Action::FewerSubsteps => change_substeps(&mut settings.scene, |n| n - 1),
+            Action::MoreSubsteps => change_substeps(&mut settings.scene, |n| n + 1),
             Action::Save => {
                 self.session.read()?;
                 let saved = (self.save)(self.session.surface());
@@ -84,6 +84,14 @@ impl OpenWindow {
         });
         Ok(())
     }
+}
+
+/// Changes the number of substeps of a frame, at least 1.
+fn change_substeps(scene: &mut SceneParams, change: impl Fn(u32) -> u32) {
+    let SceneParams { dt, solver, .. } = scene;
+    let count = (*dt / solver.substep.unwrap_or(*dt)).round() as u32;
+    let count = change(count.max(1)).clamp(1, SolverParams::MAX_COUNT);
+    *solver = solver.with_substeps(*dt, count);
 }
 
 /// Returns the next finer or coarser of the five named levels.

@@ -109,7 +109,7 @@ fn unknown_numbers_and_hostile_values_are_errors() {
     assert!(scene.move_blade(blade, &nan).is_err() && scene.teleport_blade(blade, &nan).is_err());
     assert!(scene.add_blade(&nan).is_err());
     for bad in [f64::NAN, f64::INFINITY] {
-        for name in ["dt", "residual", "substeps"] {
+        for name in ["dt", "residual", "substep"] {
             assert!(
                 scene.set(&value(name, Value::Number(bad))).is_err(),
                 "{name}"
@@ -117,17 +117,25 @@ fn unknown_numbers_and_hostile_values_are_errors() {
         }
         assert!(scene.set(&gravity(bad)).is_err());
     }
-    for bad in [-1.0, 0.0, 0.5] {
-        for name in ["substeps", "iterations"] {
+    for (name, all) in [
+        ("substep", &[-1.0, 0.0][..]),
+        ("iterations", &[-1.0, 0.0, 0.5]),
+    ] {
+        for &bad in all {
             assert!(
                 scene.set(&value(name, Value::Number(bad))).is_err(),
                 "{name}"
             );
         }
     }
-    assert_eq!(scene.get("substeps").unwrap(), Value::Count(16));
+    assert_eq!(
+        scene.get("substep").unwrap(),
+        Value::Number(0.001_388_888_9)
+    );
     assert_eq!(scene.get("residual").unwrap(), Value::None);
-    scene.set(&value("substeps", Value::Count(1))).unwrap();
+    scene
+        .set(&value("substep", Value::Number(1.0 / 60.0)))
+        .unwrap();
     scene.step().unwrap();
     assert!(scene.failed_cuts().is_empty());
     scene.remove_body(body).unwrap();

@@ -52,7 +52,6 @@ fn contacts(surface: &Surface, random: &mut Random, count: usize) -> Vec<Contact
                 },
                 friction: random.fraction(),
                 carried: CARRIED[random.below(4)],
-                is_fold: count == 5,
                 held: (random.below(2) == 0).then(|| FrictionAnchor {
                     weights: [1.0, -a, -b, a + b - 1.0],
                     at: normal.map(|c| 0.01 * c),

@@ -11,7 +11,7 @@ use incise_mesh::VertexId;
 use incise_pbd_gpu::{Context, GpuBackend, GpuBody, GpuError, SolverParams, Stiffness};
 use incise_test_support::cpu_gpu_pair::SCHEDULES;
 
-const DT: f32 = 1.0 / 60.0;
+pub(crate) const DT: f32 = 1.0 / 60.0;
 
 /// Every kernel on a strict adapter, in every state of [`CASES`] and after other frames and bodies.
 pub(crate) fn to_the_bit(context: Context) {
@@ -144,9 +144,9 @@ fn within_rounding(gpu: &mut GpuBackend, name: &str, case: &Case) {
 fn numbers_that_are_none(gpu: &mut GpuBackend) {
     let params = SolverParams {
         iterations: 2,
-        substeps: 4,
         ..SolverParams::paper()
-    };
+    }
+    .with_substeps(DT, 4);
     let make = || {
         let mut bodies = bodies(&DRIFT, WELL_CONDITIONED);
         for (_, solver) in &mut bodies {

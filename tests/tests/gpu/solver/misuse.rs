@@ -234,10 +234,7 @@ fn too_many_passes(context: Context) {
     let (material, params) = with_most_features();
     let mut gpu = GpuBackend::from_context(context).expect("a device");
     let mut twin = CpuGpuPair::add(&mut gpu, sphere(1, [0.0; 3]), &material, Schedule::Patches);
-    let many = SolverParams {
-        substeps: 1_000_000,
-        ..params
-    };
+    let many = params.with_substeps(DT, 1_000_000);
     let stepped = gpu.step([(twin.body, &mut twin.solver)], DT, &many);
     assert!(
         matches!(stepped, Err(GpuError::BufferTooLarge { .. })),

@@ -44,8 +44,9 @@ pub(crate) struct ContactRecord {
     /// Change of that vector by the rest of the last substep, which friction takes back \[m\].
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) drift: [f32; 3],
-    /// 1 for a contact within a piece, else 0.
-    pub(crate) is_fold: u32,
+    /// Fills the last entry of the GPU's record.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(crate) pad: u32,
 }
 
 impl ContactRecord {
@@ -116,12 +117,6 @@ impl ContactSet {
         self.press
     }
 
-    /// Returns whether two pieces touch each other.
-    pub(crate) fn joins_pieces(&self) -> bool {
-        let mut all = self.colors.iter().flatten();
-        all.any(|contact| contact.vertex_count() == 4 && contact.is_fold == 0)
-    }
-
     /// Returns a number that changes whenever contacts are set.
     #[cfg(feature = "gpu")]
     pub(crate) fn generation(&self) -> u64 {
@@ -173,7 +168,7 @@ impl ContactSet {
                 friction_sum: [0.0; 3],
                 held_at: held.at,
                 drift: [0.0; 3],
-                is_fold: u32::from(contact.is_fold),
+                pad: 0,
             };
             let (ids, count) = record.moved();
             let color = self.masks.claim(0, &ids[..count]).unwrap_or(UNCOLORED);

@@ -9,7 +9,7 @@ use crate::gpu::layout::{
     ATTACHMENT_ENTRIES, BENDING, BENDING_ENTRIES, CHUNK_ENTRIES, COLLIDER_ENTRIES, CONTACT_ENTRIES,
     CONTACT_FEATURES, CONTACT_RECOVERIES, CONTACTS, INTERIOR_SPRINGS, IS_PRESSED, KEEPS_BENDING,
     KEEPS_INTERIOR_SPRINGS, KEEPS_STRETCH, KEEPS_VOLUME, PATCH_LAYERS, PIECE_ENTRIES, PIN_ENTRIES,
-    RUN_COLORS, STRETCH, STRETCH_ENTRIES, SWEEPS_BACK, ordered,
+    RUN_COLORS, STRETCH, STRETCH_ENTRIES, ordered,
 };
 use crate::kernels::arctangent::COEFFICIENTS;
 use crate::kernels::volume::{self, CHUNK, motion, steps};
@@ -22,7 +22,7 @@ use std::fmt::Write;
     clippy::cast_possible_truncation,
     reason = "small constants of this crate"
 )]
-const INTEGERS: [(&str, u32); 35] = [
+const INTEGERS: [(&str, u32); 34] = [
     ("RUN_COLORS", RUN_COLORS as u32),
     ("PATCH_LAYERS", PATCH_LAYERS as u32),
     ("OVERFLOW", OVERFLOW as u32),
@@ -47,7 +47,6 @@ const INTEGERS: [(&str, u32); 35] = [
     ("BENDING_ENTRIES", BENDING_ENTRIES as u32),
     ("PIN_ENTRIES", PIN_ENTRIES as u32),
     ("ATTACHMENT_ENTRIES", ATTACHMENT_ENTRIES as u32),
-    ("SWEEPS_BACK", SWEEPS_BACK),
     ("IS_PRESSED", IS_PRESSED),
     ("KEEPS_STRETCH", KEEPS_STRETCH),
     ("KEEPS_BENDING", KEEPS_BENDING),

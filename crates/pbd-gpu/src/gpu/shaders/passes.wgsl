@@ -13,7 +13,7 @@ fn predict(
     first_vertex = bodies[work.body].first_vertex;
     let i = work.first_lane + lane;
     if (i < bodies[work.body].vertices) {
-        predict_vertex(i, bodies[work.body].velocity_factor);
+        predict_vertex(i);
     }
 }
 
@@ -131,7 +131,8 @@ fn tail(
 
 fn project_overflow(body: Body, lane: u32) {
     if (current.with_overflow != 0u && lane == 0u) {
-        sweep(current.kind, body, run_of(body, current.kind, OVERFLOW), 0u, 1u);
+        let run = run_of(body, current.kind, OVERFLOW);
+        sweep_serially(current.kind, body, run, current.is_back != 0u);
     }
 }
 

@@ -82,16 +82,11 @@ fn patches(
         store_d(i, displacements[v].xyz);
     }
     workgroupBarrier();
-    for (var i = 0u; i < block.stretch_colors; i++) {
-        let color = select(i, block.stretch_colors - 1u - i, current.is_back != 0u);
-        sweep(STRETCH, body, run_at(block.first_run + color), lane, WORKGROUP_SIZE);
-        workgroupBarrier();
-    }
-    // The sweep back is over lengths alone.
-    let bending_colors = select(block.bending_colors, 0u, current.is_back != 0u);
-    for (var color = 0u; color < bending_colors; color++) {
-        let run = run_at(block.first_run + block.stretch_colors + color);
-        sweep(BENDING, body, run, lane, WORKGROUP_SIZE);
+    let colors = block.stretch_colors + block.bending_colors;
+    for (var i = 0u; i < colors; i++) {
+        let color = select(i, colors - 1u - i, current.is_back != 0u);
+        let kind = select(BENDING, STRETCH, color < block.stretch_colors);
+        sweep(kind, body, run_at(block.first_run + color), lane, WORKGROUP_SIZE);
         workgroupBarrier();
     }
     for (var i = lane; i < block.vertices; i += WORKGROUP_SIZE) {

@@ -26,6 +26,14 @@ fn sweep(kind: u32, body: Body, run: Run, first: u32, stride: u32) {
     }
 }
 
+// Projects the constraints of a run one after another, from last to first if `is_back`.
+fn sweep_serially(kind: u32, body: Body, run: Run, is_back: bool) {
+    for (var k = 0u; k < run.len; k++) {
+        // A sweep whose stride exceeds the run projects one constraint.
+        sweep(kind, body, run, select(k, run.len - 1u - k, is_back), run.len);
+    }
+}
+
 // Sets the multiplier of constraint k of a run to zero, if it exists.
 fn reset_constraint(kind: u32, run: Run, k: u32) {
     if (k < run.len) {

@@ -1,7 +1,7 @@
 //! Tests that the composed modules match the Rust side and the default limits of WebGPU.
 
 use super::*;
-use crate::gpu::layout::{BodyRecord, Entry, FrameUniform, Link, PassUniform, Report, Run};
+use crate::gpu::layout::{BodyRecord, Entry, FrameUniform, Link, Motion, PassUniform, Report, Run};
 use crate::kernels::arctangent;
 use naga::proc::Layouter;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -99,6 +99,7 @@ fn structs_have_the_layout_of_rust() {
         ("Run", size_of::<Run>(), Run::MEMBERS),
         ("Link", size_of::<Link>(), Link::MEMBERS),
         ("Report", size_of::<Report>(), Report::MEMBERS),
+        ("Motion", size_of::<Motion>(), Motion::MEMBERS),
     ];
     for module in modules() {
         for (name, size, members) in structs {
@@ -111,7 +112,7 @@ fn structs_have_the_layout_of_rust() {
 fn arrays_have_the_strides_and_bindings_of_rust() {
     let arrays = [
         ("positions", size_of::<[f32; 4]>()),
-        ("velocities", size_of::<[f32; 4]>()),
+        ("motions", size_of::<Motion>()),
         ("displacements", size_of::<[f32; 4]>()),
         ("constraints", size_of::<Entry>()),
         ("bodies", size_of::<BodyRecord>()),

@@ -7,13 +7,12 @@ struct Projection {
     alpha: f32,
     accumulates_lambda: bool,
     edge_stiffness: f32,
-    error_carryover: f32,
     diagonal_scale: f32,
 }
 
 // Position [m] and inverse mass [1/kg], 0 for pinned vertices, -1 for unused slots.
 @group(0) @binding(0) var<storage, read_write> positions: array<vec4f>;
-@group(0) @binding(1) var<storage, read_write> velocities: array<vec4f>;
+@group(0) @binding(1) var<storage, read_write> motions: array<Motion>;
 // Records of several entries each, with floats as bits and vertices relative to the body:
 // - stretch constraint, interior spring: (a, b), (rest, multiplier)
 // - bending constraint: (v0, v1), (v2, v3), (rest, multiplier)
@@ -65,7 +64,6 @@ fn stretch_projection(body: Body) -> Projection {
         body.stretch_alpha,
         (body.flags & KEEPS_STRETCH) != 0u,
         0.0,
-        body.stretch_carryover,
         frame.diagonal_scale,
     );
 }
@@ -80,7 +78,6 @@ fn edge_projection(body: Body, kind: u32) -> Projection {
         body.spring_alpha,
         (body.flags & KEEPS_INTERIOR_SPRINGS) != 0u,
         0.0,
-        body.spring_carryover,
         SPRING_DIAGONAL_SCALE,
     );
 }
@@ -92,7 +89,6 @@ fn bending_projection(body: Body) -> Projection {
         body.bending_alpha,
         (body.flags & KEEPS_BENDING) != 0u,
         select(FIRM, stiffness, stiffness < FIRM),
-        body.bending_carryover,
         frame.diagonal_scale,
     );
 }

@@ -34,24 +34,24 @@ fn project_kind(body: Body, kind: u32, colors: u32, layer: u32, lane: u32) {
     for (var color = layer * MAX_COLORS; color < end; color++) {
         project_color(body, kind, color, lane);
     }
-    project_overflow(body, kind, layer, lane);
+    project_overflow(body, kind, layer, false, lane);
 }
 
 // Projects the colors of a kind in one layer in reverse order, after the overflow.
 fn project_back(body: Body, kind: u32, colors: u32, layer: u32, lane: u32) {
-    project_overflow(body, kind, layer, lane);
+    project_overflow(body, kind, layer, true, lane);
     let first = layer * MAX_COLORS;
     for (var end = min(colors, first + MAX_COLORS); end > first; end--) {
         project_color(body, kind, end - 1u, lane);
     }
 }
 
-// Projects the overflow of a kind serially, if the layer is 0.
-fn project_overflow(body: Body, kind: u32, layer: u32, lane: u32) {
+// Projects the overflow of a kind serially, if the layer is 0; from last to first if `is_back`.
+fn project_overflow(body: Body, kind: u32, layer: u32, is_back: bool, lane: u32) {
     let overflow = run_of(body, kind, OVERFLOW);
     if (layer == 0u && overflow.len != 0u) {
         if (lane == 0u) {
-            sweep(kind, body, overflow, 0u, 1u);
+            sweep_serially(kind, body, overflow, is_back);
         }
         workgroupBarrier();
         storageBarrier();
@@ -79,7 +79,7 @@ fn project_volumes(body: Body, slot: u32, is_first: bool, lane: u32) {
 
 fn predict_body(body: Body, lane: u32) {
     for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {
-        predict_vertex(i, body.velocity_factor);
+        predict_vertex(i);
     }
 }
 
@@ -147,11 +147,10 @@ fn whole_body(
                 project_kind(body, BENDING, body.bending_colors, layer, lane);
             }
             project_kind(body, INTERIOR_SPRINGS, body.spring_colors, 0u, lane);
-            if ((body.flags & SWEEPS_BACK) != 0u) {
-                project_back(body, INTERIOR_SPRINGS, body.spring_colors, 0u, lane);
-                for (var layer = layers; layer > 0u; layer--) {
-                    project_back(body, STRETCH, body.stretch_colors, layer - 1u, lane);
-                }
+            project_back(body, INTERIOR_SPRINGS, body.spring_colors, 0u, lane);
+            for (var layer = layers; layer > 0u; layer--) {
+                project_back(body, BENDING, body.bending_colors, layer - 1u, lane);
+                project_back(body, STRETCH, body.stretch_colors, layer - 1u, lane);
             }
             for (var round = 0u; round < frame.contact_rounds; round++) {
                 if (body.pieces != 0u) {

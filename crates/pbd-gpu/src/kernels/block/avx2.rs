@@ -69,16 +69,6 @@ impl Gather<8> for V3 {
     }
 
     #[inline(always)]
-    fn initial_differences<const N: usize>(
-        self,
-        particles: ParticleStates<'_>,
-        vertices: &[[VertexId; N]; 8],
-        j: usize,
-    ) -> [Lanes<Self>; 4] {
-        gather(self, particles, vertices, j, initial_difference)
-    }
-
-    #[inline(always)]
     fn displacements<const N: usize>(
         self,
         particles: ParticleStates<'_>,

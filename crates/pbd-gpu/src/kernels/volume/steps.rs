@@ -95,8 +95,6 @@ pub(super) fn steps(
             left
         };
     }
-    let kept = by.error_carryover * before;
-    left = if kept.abs() > left.abs() { kept } else { left };
     let alpha = by.alpha * size;
     let mut shift = 0.0;
     if error > recovery || error < -recovery {

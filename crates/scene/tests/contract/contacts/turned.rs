@@ -55,12 +55,12 @@ fn dropped(turn: Turn, material: &Material, frames: u16) -> Vec<[f32; 3]> {
     positions.map(|p| turn.back([p[0], p[1], p[2]])).collect()
 }
 
-/// Largest difference of a coordinate after `frames` of 16 substeps.
+/// Largest difference of a coordinate after `frames` of 12 substeps.
 ///
 /// A substep rounds a displacement, and so a velocity, by a unit in the last place of a meter.
 /// These errors add up like a random walk, to `n^1.5` units of positions after `n` substeps.
 fn rounding(frames: u16) -> f32 {
-    f32::from(16 * frames).powf(1.5) * f32::EPSILON
+    f32::from(12 * frames).powf(1.5) * f32::EPSILON
 }
 
 #[test]

@@ -44,7 +44,7 @@ fn colored(subdivisions: u32, radius: f64) -> Surface {
 pub(crate) fn busy(levels: [u32; 3], patches: &PatchParams) -> Scene {
     let mut scene = Scene::new(SceneParams {
         solver: SolverParams {
-            substeps: 1,
+            substep: None,
             iterations: 3,
             ..SolverParams::default()
         },

@@ -88,8 +88,8 @@ fn a_woken_body_continues_with_the_same_bits() {
         assert!(bits(&scene, id) == bits(&other, other_id), "frame {frame}");
     }
     run(&mut other, 500);
-    let edge = other.body(other_id).unwrap().solver().mean_rest_length();
-    let substeps = f64::from(other.params.solver.substeps);
+    let solver = other.body(other_id).unwrap().solver();
+    let (edge, substeps) = (solver.mean_rest_length(), f64::from(solver.substeps()));
     let rounding = 2.0 * f64::from(f32::EPSILON) * substeps;
     let bound = (f64::from(SLEEP.speed) / 60.0 * edge + rounding) * f64::from(500 + UNTIL_ASLEEP);
     let now = bits(&other, other_id);
@@ -173,12 +173,11 @@ fn skipped_iterations_are_counted() {
     };
     params.solver.iterations = 4;
     let mut scene = Scene::new(params);
-    for at in [0.0, 2.0] {
-        scene
-            .add_body(exact_tetrahedron(at), &stretch_only())
-            .unwrap();
-    }
-    let stats = scene.step().unwrap();
-    let substeps = params.solver.substeps;
+    let [id, _] = [0.0, 2.0].map(|at| {
+        let body = scene.add_body(exact_tetrahedron(at), &stretch_only());
+        body.unwrap()
+    });
+    let stats = *scene.step().unwrap();
+    let substeps = scene.body(id).unwrap().solver().substeps();
     assert_eq!(stats.iterations_skipped, 2 * substeps * 3);
 }

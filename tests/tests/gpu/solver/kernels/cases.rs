@@ -1,5 +1,6 @@
 //! Test cases of the kernel comparison: small bodies in all states that kernels distinguish.
 
+use super::DT;
 use incise_mesh::geometry::round_to_f32;
 use incise_mesh::{Surface, VertexId};
 use incise_models::double_cone;
@@ -259,12 +260,12 @@ pub(crate) fn bodies(case: &Case, shaken: f32) -> Vec<Body> {
 pub(crate) fn params(case: &Case) -> SolverParams {
     SolverParams {
         iterations: case.iterations,
-        substeps: case.substeps,
         gravity: [0.0, case.gravity, 0.0],
         diagonal_scale: if case.substeps > 1 { 0.5 } else { 1.0 },
         attachments: true,
         ..SolverParams::paper()
     }
+    .with_substeps(DT, case.substeps)
 }
 
 /// Pins go somewhere else in every frame.
