@@ -12,6 +12,7 @@ pub(crate) mod edges;
 pub(crate) mod interior_springs;
 #[cfg(feature = "serde")]
 mod load;
+pub(crate) mod pieces;
 pub(crate) mod rest;
 mod validate;
 pub(crate) mod volumes;
@@ -27,6 +28,7 @@ use coloring::LAYERS;
 use contacts::ContactSet;
 use edges::{EdgeLists, EdgeTable, Sets};
 use incise_mesh::Surface;
+use pieces::PieceVertices;
 use volumes::VolumeSet;
 
 /// All constraints of a body.
@@ -48,6 +50,8 @@ pub(crate) struct Constraints {
     /// Constraints by patch, see [`Self::update_patch_contents`].
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) patch_contents: PatchContents,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(crate) pieces: PieceVertices,
 }
 
 impl Constraints {
@@ -98,6 +102,7 @@ impl Constraints {
             edges,
             patches,
             patch_contents: PatchContents::default(),
+            pieces: PieceVertices::default(),
         })
     }
 
@@ -154,5 +159,6 @@ impl Constraints {
             + self.contacts.capacity()
             + self.attachments.capacity()
             + self.patch_contents.capacity()
+            + self.pieces.capacity()
     }
 }

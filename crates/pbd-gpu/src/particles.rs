@@ -15,6 +15,8 @@ pub(crate) struct Particles {
     pub(crate) corrections: Vec<[f32; 4]>,
     /// Pinned vertices, ascending.
     pub(crate) pins: Vec<Pin>,
+    /// Whether a pin got another target since the last frame.
+    pub(crate) has_moving_pins: bool,
 }
 
 /// A vertex that moves to a prescribed position.
@@ -35,6 +37,7 @@ impl Particles {
             corrections: vec![[0.0; 4]; mass.len()],
             mass,
             pins: Vec::new(),
+            has_moving_pins: false,
         }
     }
 

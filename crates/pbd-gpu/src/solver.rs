@@ -14,8 +14,10 @@ mod particles;
 mod scheme;
 
 use crate::constraints::Constraints;
+use crate::constraints::colliders::ColliderRecord;
 use crate::error::{ConstraintError, StepError};
 use crate::follow::FollowState;
+use crate::kernels::elastic::ElasticSets;
 use crate::kernels::integrate::{are_finite, first_non_finite};
 use crate::mass::masses;
 use crate::material::Material;
@@ -23,6 +25,7 @@ use crate::particles::{Particles, inverse};
 use crate::patches::PatchParams;
 use crate::step::StepState;
 use crate::step::constants::StepConstants;
+use crate::step::guard::{GuardInputs, GuardedBody};
 use crate::step::island::{Island, IslandError};
 use crate::step::params::{SolverParams, StepStats};
 use crate::step::plan::StepPlan;
@@ -174,6 +177,45 @@ impl Solver {
     /// Returns the substeps of a frame of `dt` \[s\], and the time that it leaves in substeps.
     pub(crate) fn substeps_of(&self, dt: f32, params: &SolverParams) -> (Substeps, f64) {
         Substeps::of_frame(self.step.time_left, dt, params)
+    }
+
+    /// Prepares the guard of a frame; `None` without one. `has_contacts` counts those of an island.
+    pub(crate) fn prepare_guard(
+        &mut self,
+        constants: &StepConstants,
+        has_contacts: bool,
+        params: &SolverParams,
+    ) -> Option<GuardInputs> {
+        let (damping, budget) = (self.material.damping, &self.step.budget);
+        let inputs = GuardInputs::new(budget, constants, damping, params.conserve)?;
+        let is_held = has_contacts
+            || !self.particles.pins.is_empty()
+            || !self.constraints.contacts.is_empty();
+        let moves = |collider: &ColliderRecord| collider.velocity != [0.0; 3];
+        let is_driven = std::mem::take(&mut self.particles.has_moving_pins)
+            || self.constraints.colliders.records().iter().any(moves)
+            || (self.material.volume)
+                .is_some_and(|volume| volume.compressibility > 0.0 || volume.pressure != 1.0);
+        Some(GuardInputs {
+            is_held,
+            is_driven,
+            ..inputs
+        })
+    }
+
+    /// Borrows the body for its guard.
+    pub(crate) fn guarded<'a>(&'a mut self, surface: &'a Surface) -> GuardedBody<'a> {
+        GuardedBody {
+            positions: surface.positions(),
+            velocities: &mut self.particles.velocities,
+            pieces: &self.constraints.pieces,
+            sets: ElasticSets {
+                stretch: &self.constraints.stretch,
+                bending: self.constraints.bending.as_ref(),
+                interior_springs: self.constraints.interior_springs.as_ref(),
+            },
+            budget: &mut self.step.budget,
+        }
     }
 
     /// Sets the time that a frame leaves to the next one, in substeps.

@@ -4,6 +4,7 @@ pub(crate) mod backend;
 pub(crate) mod body;
 mod body_step;
 pub(crate) mod constants;
+pub(crate) mod guard;
 pub(crate) mod island;
 #[cfg(feature = "serde")]
 mod load;
@@ -18,6 +19,7 @@ pub(crate) mod stage;
 pub(crate) mod substeps;
 pub(crate) mod sweep;
 
+use guard::EnergyBudget;
 use params::StepStats;
 use plan::StepPlan;
 use second_order::History;
@@ -37,6 +39,7 @@ pub(crate) enum GlobalStep {}
 pub(crate) struct StepState {
     pub(crate) plan: StepPlan,
     pub(crate) history: History,
+    pub(crate) budget: EnergyBudget,
     /// Time that the last frame left to the next one, in substeps, 0 to 1.
     pub(crate) time_left: f64,
     /// Mean rest length of edges \[m\], once it is needed after a change of topology.

@@ -253,7 +253,13 @@ fn chain(advance: Advance<'_>) {
     let (mut surface, mut solver) = body(&points, &faces, &edges(compliance, 20.0));
     weigh(&mut surface, &mut solver, mass);
     hold(&mut surface, &mut solver, [0, 1]);
-    advance(&mut surface, &mut solver, 1.0 / 60.0, &falling(20).with_substeps(1.0 / 60.0, 16), 240);
+    advance(
+        &mut surface,
+        &mut solver,
+        1.0 / 60.0,
+        &falling(20).with_substeps(1.0 / 60.0, 16),
+        240,
+    );
     for upper in 0..2 * links {
         let [p, q] = [upper, upper + 2].map(|v| surface.position(VertexId(v)));
         let found = (p - q).norm() - f64::from(length);
@@ -286,7 +292,13 @@ fn catenary(advance: Advance<'_>) {
     }
     weigh(&mut surface, &mut solver, 0.1);
     hold(&mut surface, &mut solver, [0, 1, 2 * links, 2 * links + 1]);
-    advance(&mut surface, &mut solver, 1.0 / 60.0, &falling(40).with_substeps(1.0 / 60.0, 16), 240);
+    advance(
+        &mut surface,
+        &mut solver,
+        1.0 / 60.0,
+        &falling(40).with_substeps(1.0 / 60.0, 16),
+        240,
+    );
     let joint =
         |i: u32| (surface.position(VertexId(2 * i)) + surface.position(VertexId(2 * i + 1))) / 2.0;
     // The slopes of equal links with equal weights between them grow by the same from one to the

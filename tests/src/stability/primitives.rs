@@ -55,7 +55,11 @@ pub(super) fn prism([n, rows]: [u32; 2], radius: f64, height: f64, has_center: b
         };
         if has_center {
             let center = incise_mesh::index_u32(points.len());
-            points.push(Vec3::new(0.0, if is_top { 0.5 } else { -0.5 } * height, 0.0));
+            points.push(Vec3::new(
+                0.0,
+                if is_top { 0.5 } else { -0.5 } * height,
+                0.0,
+            ));
             (0..n).for_each(|i| cap(center, first + i, first + (i + 1) % n));
         } else {
             (1..n - 1).for_each(|i| cap(first, first + i, first + i + 1));

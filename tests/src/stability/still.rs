@@ -21,7 +21,10 @@ pub(super) const CASES: [Case; 1] = [Case {
              alternating and random frames and a hitch",
     invariants: &[
         ("speed at rest in the last quarter [sizes/s]", 1e-3),
-        ("gained energy, relative to the kinetic or to a fall by the size", 0.01),
+        (
+            "gained energy, relative to the kinetic or to a fall by the size",
+            0.01,
+        ),
     ],
     run: |runner| runs(runner, 24),
 }];
@@ -143,7 +146,10 @@ fn cut_off(surface: &Surface, through: Vec3, normal: Vec3) -> Surface {
     let faces: Vec<[u32; 3]> = triangles
         .map(|t| surface.topology().triangle(t).map(number))
         .collect();
-    let points: Vec<[f32; 3]> = vertices.iter().map(|&v| to_f32(surface.position(v))).collect();
+    let points: Vec<[f32; 3]> = vertices
+        .iter()
+        .map(|&v| to_f32(surface.position(v)))
+        .collect();
     Surface::from_triangles(&points, &faces).expect("a piece of a closed mesh is closed")
 }
 
@@ -155,8 +161,14 @@ fn meshes() -> Vec<(String, Surface)> {
         add(format!("fans of {n}"), bipyramid(n, 0.5, 0.3));
     }
     for n in [6, 12, 32, 64] {
-        add(format!("prism of {n}, fans from centers"), prism([n, 1], 0.5, 1.0, true));
-        add(format!("prism of {n}, fans from corners"), prism([n, 1], 0.5, 1.0, false));
+        add(
+            format!("prism of {n}, fans from centers"),
+            prism([n, 1], 0.5, 1.0, true),
+        );
+        add(
+            format!("prism of {n}, fans from corners"),
+            prism([n, 1], 0.5, 1.0, false),
+        );
     }
     for n in [6, 24] {
         add(format!("needle of {n}"), bipyramid(n, 0.01, 1.0));
@@ -187,7 +199,10 @@ fn meshes() -> Vec<(String, Surface)> {
     let arc = cut_off(&ring, at(0.01, 0.0, 0.013), at(0.3, 1.0, 0.1));
     add("half of a torus".into(), arc);
     let slab = cut_off(&ball, at(0.0, 0.1, 0.0), at(0.01, 1.0, 0.02));
-    add("slab of a ball".into(), cut_off(&slab, at(0.0, 0.13, 0.0), at(0.03, -1.0, 0.0)));
+    add(
+        "slab of a ball".into(),
+        cut_off(&slab, at(0.0, 0.13, 0.0), at(0.03, -1.0, 0.0)),
+    );
     let bunny = build_model(Model::Bunny);
     let vertices = bunny.topology().vertices();
     let positions: Vec<Vec3> = vertices.map(|v| bunny.position(v)).collect();
@@ -196,7 +211,9 @@ fn meshes() -> Vec<(String, Surface)> {
         let normal = at(0.2, 1.0, 0.1) * side;
         add(format!("{name} bunny"), cut_off(&bunny, center, normal));
     }
-    all.into_iter().map(|(name, surface)| (name, centered(surface))).collect()
+    all.into_iter()
+        .map(|(name, surface)| (name, centered(surface)))
+        .collect()
 }
 
 /// Moves a surface to the origin and to a diagonal of 1 m.
@@ -224,14 +241,22 @@ fn runs(runner: &Runner, per_mesh: usize) -> Vec<Run> {
     for (name, surface) in &meshes {
         for i in 0..per_mesh {
             let k = all.len();
-            let treatment =
-                [Treatment::Rest, Treatment::Spin, Treatment::Hang, Treatment::Drop][i % 4];
+            let treatment = [
+                Treatment::Rest,
+                Treatment::Spin,
+                Treatment::Hang,
+                Treatment::Drop,
+            ][i % 4];
             let size = match treatment {
                 Treatment::Rest | Treatment::Spin => [1.0, 0.01, 100.0, 0.1, 10.0][k % 5],
                 _ => [1.0, 0.3, 10.0][k % 3],
             };
-            let frames =
-                [Frames::Even, Frames::Alternating, Frames::Random, Frames::Hitch][(k / 4 + i) % 4];
+            let frames = [
+                Frames::Even,
+                Frames::Alternating,
+                Frames::Random,
+                Frames::Hitch,
+            ][(k / 4 + i) % 4];
             let (of, material) = materials[(k + k / 8) % 8];
             all.push(Still {
                 name: format!("{name} of {size} m, {of}, {treatment:?}, {frames:?} frames"),
@@ -243,7 +268,9 @@ fn runs(runner: &Runner, per_mesh: usize) -> Vec<Run> {
             });
         }
     }
-    runner.each(&all, |still| Run::new(still.name.clone(), still.run(runner)))
+    runner.each(&all, |still| {
+        Run::new(still.name.clone(), still.run(runner))
+    })
 }
 
 impl Still<'_> {
@@ -306,7 +333,10 @@ impl Still<'_> {
             Treatment::Rest | Treatment::Drop => {}
             Treatment::Spin => {
                 let mass = |v: VertexId| f64::from(solver.masses()[v.index()]);
-                let sum: Vec3 = vertices.iter().map(|&v| surface.position(v) * mass(v)).sum();
+                let sum: Vec3 = vertices
+                    .iter()
+                    .map(|&v| surface.position(v) * mass(v))
+                    .sum();
                 let center = sum / solver.total_mass();
                 for &v in &vertices {
                     let arm = surface.position(v) - center;
@@ -316,7 +346,9 @@ impl Still<'_> {
             }
             Treatment::Hang => {
                 let height = |v: &VertexId| surface.position(*v).y;
-                let highest = vertices.iter().max_by(|a, b| height(a).total_cmp(&height(b)));
+                let highest = vertices
+                    .iter()
+                    .max_by(|a, b| height(a).total_cmp(&height(b)));
                 let highest = *highest.ok_or("the mesh has vertices")?;
                 solver.pin(surface, highest)?;
             }

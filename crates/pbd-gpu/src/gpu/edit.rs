@@ -1,7 +1,7 @@
 //! Uploads edits of the CPU copies of bodies: topology, constraints, pins, velocities.
 
 use super::backend::{GpuBackend, GpuBody, find_mut, number};
-use super::body::{Host, POSITIONS, MOTIONS};
+use super::body::{Host, MOTIONS, POSITIONS};
 use super::error::GpuError;
 use super::layout::Report;
 use super::read::report_part;

@@ -1,7 +1,7 @@
 //! Reads states and bounding boxes of GPU bodies back to the CPU.
 
 use super::backend::{GpuBackend, GpuBody, find_mut};
-use super::body::{Arenas, POSITIONS, REPORTS, MOTIONS};
+use super::body::{Arenas, MOTIONS, POSITIONS, REPORTS};
 use super::edit::check_slots;
 use super::error::GpuError;
 use super::layout::Report;

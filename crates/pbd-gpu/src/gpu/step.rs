@@ -377,7 +377,11 @@ impl SteppedBody<'_> {
     /// Returns substeps and rounds, in which the bodies of a submission agree.
     fn key(&self) -> [u32; 3] {
         let substeps = self.inputs.substeps;
-        [substeps.count, substeps.h.to_bits(), self.inputs.contact_rounds]
+        [
+            substeps.count,
+            substeps.h.to_bits(),
+            self.inputs.contact_rounds,
+        ]
     }
 }
 
@@ -392,9 +396,8 @@ struct Encoding<'a> {
 
 impl Encoding<'_> {
     fn program(&mut self, program: &Program, substeps: u32, wants_bounds: bool) {
-        let begun = |dispatch: &&Dispatch| {
-            program.passes[dispatch.pass as usize].substep < substeps
-        };
+        let begun =
+            |dispatch: &&Dispatch| program.passes[dispatch.pass as usize].substep < substeps;
         self.dispatches(program.whole.iter().filter(begun), 0);
         for substep in 0..substeps {
             self.dispatches(program.prologue.iter(), substep);

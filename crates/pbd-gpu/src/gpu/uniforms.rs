@@ -1,6 +1,6 @@
 //! Uniform buffers with the parameters of dispatches, and the bind groups of all kernels.
 
-use super::body::{Arenas, DISPLACEMENTS, POSITIONS, RECORDS, REPORTS, RUN_TABLES, MOTIONS};
+use super::body::{Arenas, DISPLACEMENTS, MOTIONS, POSITIONS, RECORDS, REPORTS, RUN_TABLES};
 use super::context::Context;
 use super::error::GpuError;
 use super::layout::{FrameUniform, PassUniform};

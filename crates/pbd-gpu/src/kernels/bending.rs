@@ -16,12 +16,12 @@
 //! from displacements, so a larger correction is an impulse, which the next hinges amplify.
 
 use super::arctangent::arctangent2;
-use super::block::{Block, Gather, scatter};
-use super::lanes::Lanes;
+use super::block::{Block, Gather, Transpose, scatter};
+use super::lanes::{Lanes, Mask};
 use super::particle_state::ParticleStates;
 use crate::step::constants::Projection;
 use crate::step::sweep::Kernel;
-use pulp::Simd;
+use pulp::{Scalar, Simd};
 use std::f32::consts::{PI, TAU};
 
 /// Triangles whose doubled area is below this fraction of their squared edges are ignored.
@@ -84,27 +84,18 @@ impl Kernel<4> for Bending {
         let [a @ .., w2] = gather.differences(particles, block.vertices, 2);
         let [b @ .., w3] = gather.differences(particles, block.vertices, 3);
 
-        let (n2, n3) = (cross(e, a), cross(b, e));
-        let (ee, q2, q3) = (dot(e, e), dot(n2, n2), dot(n3, n3));
-        let (cos, length) = (dot(n2, n3), ee.sqrt());
-        let theta = arctangent2(gather, -(length * dot(a, n3)), cos);
-        let mut turn = theta - block.rest;
-        if !gather.all(turn.abs().lt(zero + PI)) {
-            turn = turn.gt(zero + PI).select(turn - TAU, turn);
-            turn = turn.le(zero - PI).select(turn + TAU, turn);
-        }
-
-        let (big2, big3) = (ee + dot(a, a), ee + dot(b, b));
-        let solid2 = q2.gt(FLAT * FLAT * (big2 * big2));
-        let solid3 = q3.gt(FLAT * FLAT * (big3 * big3));
-        let (f2, f3) = (length / q2, length / q3);
-        let (g22, g33, g23) = (f2 * length, f3 * length, f2 * f3 * cos);
-        let per_square = 1.0 / ee;
-        let (s, t) = (dot(a, e) * per_square, dot(b, e) * per_square);
+        let Hinge {
+            n2,
+            n3,
+            f2,
+            f3,
+            s,
+            t,
+            turn,
+            weight,
+            is_solid,
+        } = Hinge::new(gather, [e, a, b], [w0, w1, w2, w3], block.rest);
         let (s0, t0) = (1.0 - s, 1.0 - t);
-        let g00 = s0 * s0 * g22 + t0 * t0 * g33 + 2.0 * (s0 * t0 * g23);
-        let g11 = s * s * g22 + t * t * g33 + 2.0 * (s * t * g23);
-        let weight = (w0 * g00 + w1 * g11) + (w2 * g22 + w3 * g33);
 
         let mut left = zero;
         // With rigid edges no old error remains, which saves its computation.
@@ -119,7 +110,7 @@ impl Kernel<4> for Bending {
             left = remaining_error(turn - added, weight, inv_mass, projection);
         }
         let wish = factor * ((turn - left) + alpha * block.lambda);
-        let movable = solid2 & solid3 & weight.gt(zero);
+        let movable = is_solid & weight.gt(zero);
         let sum = diagonal_scale * weight + alpha;
         let under = weight.gt(sum).select(weight, sum);
         let mut step = wish / under;
@@ -150,6 +141,84 @@ impl Kernel<4> for Bending {
 
 /// A vector per lane.
 type Vector<S> = [Lanes<S>; 3];
+
+/// A hinge in its present shape.
+struct Hinge<S: Simd> {
+    /// Normals of its triangles, not of length 1.
+    n2: Vector<S>,
+    n3: Vector<S>,
+    /// Factors of the normals in the gradients.
+    f2: Lanes<S>,
+    f3: Lanes<S>,
+    /// Feet of the vertices across on the edge.
+    s: Lanes<S>,
+    t: Lanes<S>,
+    /// Angle minus rest angle \[rad\].
+    turn: Lanes<S>,
+    /// Sum of `|grad C|^2 / m`.
+    weight: Lanes<S>,
+    /// Whether the triangles are no slivers.
+    is_solid: Mask<S>,
+}
+
+impl<S: Simd> Hinge<S> {
+    /// Measures a hinge from the vectors to its vertices from the first one, its inverse masses
+    /// and its rest angle.
+    #[inline(always)]
+    fn new<G: Gather<L, S = S>, const L: usize>(
+        gather: G,
+        [e, a, b]: [Vector<S>; 3],
+        [w0, w1, w2, w3]: [Lanes<S>; 4],
+        rest: Lanes<S>,
+    ) -> Self {
+        let zero = Lanes::splat(gather.simd(), 0.0);
+        let (n2, n3) = (cross(e, a), cross(b, e));
+        let (ee, q2, q3) = (dot(e, e), dot(n2, n2), dot(n3, n3));
+        let (cos, length) = (dot(n2, n3), ee.sqrt());
+        let theta = arctangent2(gather, -(length * dot(a, n3)), cos);
+        let mut turn = theta - rest;
+        if !gather.all(turn.abs().lt(zero + PI)) {
+            turn = turn.gt(zero + PI).select(turn - TAU, turn);
+            turn = turn.le(zero - PI).select(turn + TAU, turn);
+        }
+
+        let (big2, big3) = (ee + dot(a, a), ee + dot(b, b));
+        let solid2 = q2.gt(FLAT * FLAT * (big2 * big2));
+        let solid3 = q3.gt(FLAT * FLAT * (big3 * big3));
+        let (f2, f3) = (length / q2, length / q3);
+        let (g22, g33, g23) = (f2 * length, f3 * length, f2 * f3 * cos);
+        let per_square = 1.0 / ee;
+        let (s, t) = (dot(a, e) * per_square, dot(b, e) * per_square);
+        let (s0, t0) = (1.0 - s, 1.0 - t);
+        let g00 = s0 * s0 * g22 + t0 * t0 * g33 + 2.0 * (s0 * t0 * g23);
+        let g11 = s * s * g22 + t * t * g33 + 2.0 * (s * t * g23);
+        Self {
+            n2,
+            n3,
+            f2,
+            f3,
+            s,
+            t,
+            turn,
+            weight: (w0 * g00 + w1 * g11) + (w2 * g22 + w3 * g33),
+            is_solid: solid2 & solid3,
+        }
+    }
+}
+
+/// Returns the error of a hinge \[rad\] and its sum of `|grad C|^2 / m`, 0 for a sliver.
+///
+/// `x` are the positions and inverse masses of its vertices.
+pub(crate) fn hinge_error(x: [[f32; 4]; 4], rest: f32) -> (f32, f32) {
+    let gather = Transpose(Scalar);
+    let lanes = |c: f32| Lanes::splat(Scalar, c);
+    let to = |j: usize| [0, 1, 2].map(|k: usize| lanes(x[j][k] - x[0][k]));
+    let masses = [0, 1, 2, 3].map(|j: usize| lanes(x[j][3]));
+    let hinge = Hinge::new::<_, 1>(gather, [to(1), to(2), to(3)], masses, lanes(rest));
+    let [turn] = hinge.turn.to_array();
+    let [weight] = hinge.is_solid.or_zero(hinge.weight).to_array();
+    (turn, weight)
+}
 
 /// Returns the part of an error from before the substep that a projection leaves \[rad\].
 #[inline(always)]

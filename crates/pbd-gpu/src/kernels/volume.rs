@@ -41,7 +41,8 @@ use std::cell::Cell;
 use std::ops::Range;
 pub(crate) use steps::{LOADS, RECOVERY};
 use steps::{greater, recovery, steps};
-use tree::{total_of, tree};
+use tree::total_of;
+pub(crate) use tree::tree;
 
 /// Leaves of a reduction tree.
 pub(crate) const CHUNK: usize = 256;

@@ -119,7 +119,15 @@ pub(crate) fn sweep_contacts(
         let place = |end: usize| facing.partition_point(|&i| (i as usize) < end);
         let facing = &facing[place(range.start)..place(range.end)];
         let first = range.start;
-        project_contacts(particles, carried, corrections, contacts, first, facing, planes);
+        project_contacts(
+            particles,
+            carried,
+            corrections,
+            contacts,
+            first,
+            facing,
+            planes,
+        );
     });
 }
 

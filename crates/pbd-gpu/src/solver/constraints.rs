@@ -9,6 +9,7 @@ use crate::constraints::contacts::{Contact, ContactSet};
 use crate::constraints::volumes::VolumeSet;
 use crate::error::{ConstraintError, InvalidConstraints};
 use crate::material::{InteriorSprings, Material, Stiffness, Volume};
+use crate::step::guard::EnergyBudget;
 use crate::step::pass::Pass;
 use incise_mesh::{Surface, VertexId};
 
@@ -178,7 +179,11 @@ impl Solver {
 
     fn replace_material(&mut self, material: Material) -> Result<(), ConstraintError> {
         material.check()?;
-        self.material = material;
+        if self.material != material {
+            self.material = material;
+            // Constraints hold another energy.
+            self.step.budget = EnergyBudget::default();
+        }
         Ok(())
     }
 

@@ -67,6 +67,7 @@ impl Solver {
         let (particles, constraints) = (&mut self.particles, &mut self.constraints);
         (self.follow).apply_delta(particles, constraints, surface, delta, threads);
         self.constraints.update_volumes(surface, &self.material);
+        self.constraints.pieces.invalidate();
         self.constraints.contacts.clear();
         self.constraints.attachments.invalidate();
         self.step.plan.invalidate();

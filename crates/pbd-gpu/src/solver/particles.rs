@@ -140,6 +140,7 @@ impl Solver {
     pub fn set_pin_target(&mut self, v: VertexId, to: [f32; 3]) -> Result<(), ConstraintError> {
         check_value(v, to)?;
         let i = self.pin_of(v)?;
+        self.particles.has_moving_pins |= self.particles.pins[i].target != to;
         self.particles.pins[i].target = to;
         self.follow.log.mark_pins();
         Ok(())

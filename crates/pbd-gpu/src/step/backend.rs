@@ -162,6 +162,7 @@ pub(crate) fn execute(
         })
     });
     for body in &mut stepped {
+        body.member.met_collider |= body.member.meets_collider;
         let positions = body.arrays.positions.iter_mut();
         for (x, state) in positions.zip(&particles[body.member.first..]) {
             *x = state.x;
@@ -335,7 +336,8 @@ impl Frame<'_, '_, '_> {
                 let fall = first.constants.gravity_step.map(|g| g * h);
                 let (serial, colors) = split_serial(&self.contacts.colors);
                 for color in colors {
-                    change += contacts::recover_contacts(particles, corrections, color, planes, h, fall);
+                    change +=
+                        contacts::recover_contacts(particles, corrections, color, planes, h, fall);
                 }
                 for contact in serial.chunks(1) {
                     change += contacts::recover_contacts(

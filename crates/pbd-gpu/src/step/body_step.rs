@@ -72,7 +72,14 @@ impl BatchSweep<'_, '_, '_> {
             }
             BatchId::Overflow => {
                 let sweep = Sweep::<K, N>::serial(particles, part, projection);
-                dispatch(arch, if self.is_back { sweep.reversed() } else { sweep });
+                dispatch(
+                    arch,
+                    if self.is_back {
+                        sweep.reversed()
+                    } else {
+                        sweep
+                    },
+                );
             }
         }
         count
@@ -222,15 +229,18 @@ impl BodyStep<'_, '_, '_> {
                     h: constants.collider_step,
                     time: self.time,
                 };
-                *self.meets_collider |= colliders::colliders(particles, v, self.corrections, body.colliders, by);
+                *self.meets_collider |=
+                    colliders::colliders(particles, v, self.corrections, body.colliders, by);
             }
-            Pass::Integrate => match integrate::integrate(particles, v, self.corrections, constants.h) {
-                Some(change) => {
-                    stats.max_displacement += change;
-                    stats.max_substep_displacement = stats.max_substep_displacement.max(change);
+            Pass::Integrate => {
+                match integrate::integrate(particles, v, self.corrections, constants.h) {
+                    Some(change) => {
+                        stats.max_displacement += change;
+                        stats.max_substep_displacement = stats.max_substep_displacement.max(change);
+                    }
+                    None => return false,
                 }
-                None => return false,
-            },
+            }
         }
         true
     }

@@ -12,6 +12,7 @@ use crate::solver::Solver;
 use crate::step::backend::{NonFinite, StepScratch, execute};
 use crate::step::body::Body;
 use crate::step::constants::StepConstants;
+use crate::step::guard::{Guard, GuardInputs};
 use crate::step::params::{Integrator, SolverParams, StepStats};
 use crate::step::prepare::{FrameInputs, both_orders};
 use crate::step::reach::{max_motion, reaches_colliders};
@@ -40,6 +41,7 @@ pub struct Island {
     /// Statistics of the second-order substeps so far, by member.
     sums: Vec<StepStats>,
     scratch: StepScratch,
+    guard: Guard,
 }
 
 /// A body during a frame of its island.
@@ -47,6 +49,7 @@ pub struct Island {
 pub(crate) struct Member {
     /// Constants of the current substeps.
     pub(crate) constants: StepConstants,
+    pub(crate) guard: Option<GuardInputs>,
     /// Constants of second-order integration.
     pub(crate) orders: Orders,
     /// Upper bound of the change of a coordinate before the current second-order substep \[m\].
@@ -60,6 +63,8 @@ pub(crate) struct Member {
     pub(crate) reaches_colliders: bool,
     /// Whether a vertex was in a collider since the last execution began.
     pub(crate) meets_collider: bool,
+    /// The same since the frame began.
+    pub(crate) met_collider: bool,
     pub(crate) stats: StepStats,
 }
 
@@ -176,7 +181,8 @@ impl Island {
                 reaches_colliders: reaches_colliders(solver, surface, reach, dt),
                 ..frame
             };
-            let member = prepare_member(solver, surface, frame, params);
+            let has_contacts = !self.contacts.is_empty();
+            let member = prepare_member(solver, surface, frame, has_contacts, params);
             self.members
                 .push(member.map_err(|error| IslandError { body, error })?);
         }
@@ -236,11 +242,13 @@ impl Island {
             members,
             sums,
             scratch,
+            guard,
             substeps,
             time_left,
             integrator,
             ..
         } = self;
+        begin_guard(guard, bodies, members);
         let done = match integrator {
             Integrator::Euler => {
                 for (solver, _) in bodies.iter_mut() {
@@ -254,6 +262,16 @@ impl Island {
                 run_second_order(bodies, members, sums, contacts, substeps.count, scratch)
             }
         };
+        if done.is_ok() {
+            end_guard(guard, bodies, members);
+        }
+        if *integrator == Integrator::Bdf2 {
+            for (solver, surface) in bodies.iter_mut() {
+                let (particles, _, step) = solver.step_parts();
+                let positions = surface.positions();
+                step.history.end_frame(positions, &particles.velocities);
+            }
+        }
         for ((solver, _), member) in bodies.iter_mut().zip(&*members) {
             solver.set_time_left(*time_left);
             solver.end_step(done.is_ok().then_some(member.stats));
@@ -276,6 +294,7 @@ impl Island {
             + self.members.capacity()
             + self.sums.capacity()
             + self.scratch.capacity()
+            + self.guard.capacity()
     }
 }
 
@@ -284,6 +303,7 @@ fn prepare_member(
     solver: &mut Solver,
     surface: &Surface,
     frame: FrameInputs,
+    has_contacts: bool,
     params: &SolverParams,
 ) -> Result<Member, StepError> {
     solver.check_step(surface)?;
@@ -297,10 +317,15 @@ fn prepare_member(
         };
         solver.prepare_global(surface, of, params);
     }
+    let guard = solver.prepare_guard(&constants, has_contacts, params);
     let (_, constraints, _) = solver.step_parts();
     constraints.update_patch_contents();
+    if guard.is_some() {
+        constraints.pieces.update(surface);
+    }
     Ok(Member {
         constants,
+        guard,
         orders,
         extrapolated: 0.0,
         first: 0,
@@ -308,6 +333,7 @@ fn prepare_member(
         has_volumes: !constraints.volumes.pieces().is_empty(),
         reaches_colliders: frame.reaches_colliders,
         meets_collider: false,
+        met_collider: false,
         stats: StepStats::default(),
     })
 }
@@ -352,14 +378,38 @@ fn run_second_order(
             break;
         }
     }
-    let states = members.iter_mut().zip(&*sums);
-    for ((solver, surface), (member, sum)) in bodies.iter_mut().zip(states) {
-        let (particles, _, step) = solver.step_parts();
-        step.history
-            .end_frame(surface.positions(), &particles.velocities);
+    for (member, sum) in members.iter_mut().zip(&*sums) {
         member.stats = *sum;
     }
     done
+}
+
+/// Measures the rigid motions of guarded bodies at the start of a frame.
+fn begin_guard(guard: &mut Guard, bodies: &mut [IslandBody<'_>], members: &[Member]) {
+    guard.clear();
+    for ((solver, surface), member) in bodies.iter_mut().zip(members) {
+        if member.guard.is_some() {
+            guard.begin(&solver.guarded(surface));
+        }
+    }
+}
+
+/// Applies damping, momenta and the energy budget of an island at the end of a frame.
+fn end_guard(guard: &mut Guard, bodies: &mut [IslandBody<'_>], members: &[Member]) {
+    let (mut slack, mut is_held) = (0.0, false);
+    for ((solver, surface), member) in bodies.iter_mut().zip(members) {
+        if let Some(inputs) = member.guard {
+            let body = solver.guarded(surface);
+            slack += body.budget.slack;
+            let is_free = !(inputs.is_held || member.met_collider);
+            is_held |= !is_free;
+            guard.end(&body, &inputs, is_free);
+        }
+    }
+    let guarded = bodies.iter_mut().zip(members);
+    let guarded = guarded
+        .filter_map(|((solver, surface), member)| Some((solver.guarded(surface), member.guard?)));
+    guard.finish(guarded, slack, is_held);
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Completes and validates a loaded [`StepState`].
 
 use super::StepState;
+use super::guard::EnergyBudget;
 use crate::constraints::Constraints;
 use crate::error::InvalidSolver;
 
@@ -24,6 +25,8 @@ impl StepState {
         self.history.validate(slots)?;
         let mean = self.mean_rest_length.unwrap_or_default();
         let is_valid = self.settling_time_left.is_finite() && mean.is_finite();
+        let EnergyBudget { slack, age } = self.budget;
+        let is_valid = is_valid && slack >= 0.0 && age >= 0.0 && age.is_finite();
         if !(is_valid && (0.0..=1.0).contains(&self.time_left)) {
             let array = "times of the last step";
             return Err(InvalidSolver::Array { array });

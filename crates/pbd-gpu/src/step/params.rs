@@ -57,6 +57,11 @@ incise_params::params! {
         /// constraints and PBD stiffness are unaffected, and more iterations converge to the same
         /// result.
         diagonal_scale: f32 = 0.5, range: Range::at_least(0.5).up_to(1.0);
+        /// Restores the momenta of pieces that touch nothing, and limits the energy of bodies.
+        ///
+        /// Both act at the end of a frame, on what constraints have added by errors of single
+        /// substeps and rounding. The limit is that of the frame's start and of the elastic energy.
+        conserve: bool = true;
         /// Enables [long range attachments](crate::LongRangeAttachment) of inextensible, pinned
         /// bodies.
         ///
@@ -148,6 +153,7 @@ impl SolverParams {
             gravity: [0.0, -9.81, 0.0],
             residual: None,
             diagonal_scale: 1.0,
+            conserve: false,
             attachments: false,
             scheme: Scheme::Sweeps,
             integrator: Integrator::Euler,

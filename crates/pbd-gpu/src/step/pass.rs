@@ -96,7 +96,12 @@ type Rank = (
     usize,
     Option<ConstraintKind>,
     Option<BatchId>,
-    Option<(Reverse<u32>, Reverse<usize>, Reverse<ConstraintKind>, Reverse<BatchId>)>,
+    Option<(
+        Reverse<u32>,
+        Reverse<usize>,
+        Reverse<ConstraintKind>,
+        Reverse<BatchId>,
+    )>,
 );
 
 impl Pass {
@@ -111,9 +116,13 @@ impl Pass {
             Self::BeginGlobal => stage(4),
             Self::LongRangeAttachments => stage(5),
             Self::GlobalIteration => stage(6),
-            Self::Project { kind, batch } => {
-                (7 + kind.stage(), batch.layer(), Some(kind), Some(batch), None)
-            }
+            Self::Project { kind, batch } => (
+                7 + kind.stage(),
+                batch.layer(),
+                Some(kind),
+                Some(batch),
+                None,
+            ),
             Self::ProjectBack { kind, batch } => {
                 let (stage, layer) = (Reverse(kind.stage()), Reverse(batch.layer()));
                 let reverse = (stage, layer, Reverse(kind), Reverse(batch));

@@ -165,7 +165,10 @@ mod tests {
             time += f64::from(dt);
             count += u64::from(substeps.count);
             let done = (count as f64 + left) / 720.0;
-            assert!((time - done).abs() < 1e-7 * (1.0 + time), "{done} of {time} s");
+            assert!(
+                (time - done).abs() < 1e-7 * (1.0 + time),
+                "{done} of {time} s"
+            );
         }
     }
 

@@ -276,12 +276,7 @@ impl Search<'_> {
                 pairs.found.push(pair);
                 all[body as usize].edge_contacts.push(BodyContact {
                     other,
-                    contact: edge_edge(
-                        pair.ends,
-                        pair.normal,
-                        gap,
-                        friction(of_first, of_second),
-                    ),
+                    contact: edge_edge(pair.ends, pair.normal, gap, friction(of_first, of_second)),
                 });
             }
         }

@@ -62,7 +62,13 @@ pub(super) fn turned(advance: Advance<'_>) {
             let velocity = [velocity.x as f32, velocity.y as f32, velocity.z as f32];
             solver.set_velocity(v, velocity).expect("a vertex");
         }
-        advance(&mut surface, &mut solver, 1.0 / 60.0, &still(5).with_substeps(1.0 / 60.0, 4), 20);
+        advance(
+            &mut surface,
+            &mut solver,
+            1.0 / 60.0,
+            &still(5).with_substeps(1.0 / 60.0, 4),
+            20,
+        );
         surface
     };
     let plain = moved(&|p| p);
@@ -94,13 +100,7 @@ fn at_rest(advance: Advance<'_>, h: f32, iterations: u32, place: impl Fn(u32) ->
     let (mut surface, mut solver) = body(&listed, &faces, &edges(1e-2, 10.0));
     hold(&mut surface, &mut solver, (0..=N).map(&place));
     let frames = (4.0 / h).round() as u32;
-    advance(
-        &mut surface,
-        &mut solver,
-        h,
-        &falling(iterations),
-        frames,
-    );
+    advance(&mut surface, &mut solver, h, &falling(iterations), frames);
     let all = 0..(N + 1) * (N + 1);
     all.map(|v| surface.position(VertexId(place(v)))).collect()
 }

@@ -4,7 +4,7 @@ use super::CHUNK;
 
 /// Returns the sums of the first `leaves` leaves; `last` combines those of the last column.
 #[inline(always)]
-pub(super) fn tree<const N: usize>(
+pub(crate) fn tree<const N: usize>(
     columns: &mut [[f32; CHUNK]; N],
     leaves: usize,
     last: impl Fn(f32, f32) -> f32,

@@ -1,0 +1,145 @@
+//! The elastic energy of a body: an upper bound of the work that its constraints can do.
+//!
+//! A constraint with `C`, compliance `c` and `w = sum of |grad C|^2 / m` holds `C^2 / 2c`. One that
+//! is stiffer than a substep resolves gives back at most `C^2 / (2 w h^2)` in the next one.
+//!
+//! The energies are summed in fixed point, relative to the largest one. So the sum does not depend
+//! on the order of constraints, which GPUs store by patch.
+
+use super::bending::hinge_error;
+use crate::constraints::batches::{BendingSet, ConstraintSet, StretchSet};
+use crate::step::constants::{Projection, StepConstants};
+use incise_mesh::VertexId;
+
+/// Units of the fixed-point sum in the largest energy; 2^20 constraints fit into 32 bits.
+pub(crate) const UNITS: f32 = 4096.0;
+
+/// The constraints that store energy.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ElasticSets<'a> {
+    pub(crate) stretch: &'a StretchSet,
+    pub(crate) bending: Option<&'a BendingSet>,
+    pub(crate) interior_springs: Option<&'a StretchSet>,
+}
+
+/// Returns the elastic energy of a body \[J\]; the fourth component of positions is the inverse
+/// mass.
+pub(crate) fn elastic_energy(
+    positions: &[[f32; 4]],
+    sets: ElasticSets<'_>,
+    constants: &StepConstants,
+) -> f32 {
+    let kept = 1.0 - constants.lift;
+    let edges = |set: &StretchSet, by: Projection, add: &mut dyn FnMut(f32)| {
+        for_each(set, |ends, rest| {
+            add(of_edge(positions, ends, rest, by, kept))
+        });
+    };
+    let all = |add: &mut dyn FnMut(f32)| {
+        edges(sets.stretch, constants.stretch, add);
+        if let Some(springs) = sets.interior_springs {
+            edges(springs, constants.interior_springs, add);
+        }
+        if let Some(bending) = sets.bending {
+            for_each(bending, |v, rest| {
+                let (turn, weight) = hinge_error(v.map(|v| positions[v.index()]), rest);
+                add(energy(turn, weight, constants.bending, kept));
+            });
+        }
+    };
+    let mut largest = 0.0;
+    all(&mut |energy| largest = if energy > largest { energy } else { largest });
+    if largest == 0.0 {
+        return 0.0;
+    }
+    let scale = UNITS / largest;
+    let mut sum = 0_u32;
+    all(&mut |energy| sum = sum.saturating_add(units(energy * scale)));
+    sum as f32 * (largest / UNITS) * (0.5 / (constants.h * constants.h))
+}
+
+/// Returns a number from 0 to [`UNITS`] as a whole one.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a small positive number"
+)]
+fn units(energy: f32) -> u32 {
+    energy.ceil() as u32
+}
+
+fn for_each<const N: usize>(set: &ConstraintSet<N>, mut of: impl FnMut([VertexId; N], f32)) {
+    for batch in set.all() {
+        for (&vertices, &rest) in batch.vertices().iter().zip(batch.rest()) {
+            of(vertices, rest);
+        }
+    }
+}
+
+/// Returns the energy of an edge times `2 h^2`.
+fn of_edge(
+    positions: &[[f32; 4]],
+    [a, b]: [VertexId; 2],
+    rest: f32,
+    by: Projection,
+    kept: f32,
+) -> f32 {
+    let (a, b) = (positions[a.index()], positions[b.index()]);
+    let [x, y, z] = [0, 1, 2].map(|k: usize| b[k] - a[k]);
+    let length = (x * x + y * y + z * z).sqrt();
+    energy(length - rest, a[3] + b[3], by, kept)
+}
+
+/// Returns the energy of an error of a constraint with the weight `w`, times `2 h^2`.
+fn energy(error: f32, weight: f32, by: Projection, kept: f32) -> f32 {
+    let soft = by.alpha * kept;
+    let under = if soft > weight { soft } else { weight };
+    if weight > 0.0 {
+        by.factor * (error * error / under)
+    } else {
+        0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::{Material, Stiffness};
+    use crate::solver::Solver;
+    use crate::step::params::SolverParams;
+    use incise_mesh::icosphere;
+
+    #[test]
+    fn springs_hold_the_square_of_their_error() {
+        let mut surface = icosphere(1, 1.0);
+        let material = Material {
+            stretch: Stiffness::Compliance(1e-2),
+            bending: Some(Stiffness::Compliance(10.0)),
+            ..Material::default()
+        };
+        let mut solver = Solver::new(&mut surface, &material).unwrap();
+        solver
+            .step(&mut surface, 1.0 / 60.0, &SolverParams::default())
+            .unwrap();
+        for p in surface.positions_mut() {
+            p[0] *= 1.1;
+        }
+        let found = solver.elastic_energy(&surface);
+        let mut expected = 0.0;
+        for batch in solver.stretch().all() {
+            for (&[a, b], &rest) in batch.vertices().iter().zip(batch.rest()) {
+                let length = (surface.position(a) - surface.position(b)).norm();
+                expected += (length - f64::from(rest)).powi(2) / 2e-2;
+            }
+        }
+        let bending = solver.bending().unwrap();
+        for batch in bending.all() {
+            for (&v, &rest) in batch.vertices().iter().zip(batch.rest()) {
+                let turn = crate::constraints::rest::dihedral_angle(v.map(|v| surface.position(v)));
+                expected += (turn - f64::from(rest)).powi(2) / 20.0;
+            }
+        }
+        let off = f64::from(found) / expected - 1.0;
+        assert!((0.0..0.02).contains(&off), "{found} J, not {expected}");
+    }
+}

@@ -1,0 +1,352 @@
+//! [`Guard`]: damping, momenta and an energy budget, once a frame.
+//!
+//! - Damping slows the motion of a piece relative to its rigid motion (Mueller et al. 2007, 3.5).
+//!   A body falls and spins as without it.
+//! - Without contacts, pins and collisions the momentum and angular momentum of a piece change by
+//!   gravity alone. Projections conserve them up to rounding, and up to the turn of directions in a
+//!   substep. The rest is restored.
+//! - The kinetic energy of a body and its energy of height may not grow beyond those at the start
+//!   of the frame and its slack: the work that its constraints have taken up and may give back.
+//!   What exceeds them is taken from the motion relative to the rigid one.
+//!
+//! The slack shrinks to the [elastic energy](elastic_energy) within [`RELAXATION`], since
+//! constraints dissipate the rest. It is unlimited while something does unknown work: moving pins
+//! and colliders, pressure, and compressible volumes, whose energy is not counted.
+
+use crate::constraints::pieces::PieceVertices;
+use crate::kernels::elastic::{ElasticSets, elastic_energy};
+use crate::kernels::rigid_motion::{RigidMotion, cross};
+use crate::step::constants::StepConstants;
+
+/// Time in which the slack approaches the elastic energy \[s\].
+const RELAXATION: f32 = 1.0;
+
+/// Time between two measurements of the elastic energy \[s\].
+///
+/// One takes about as long as three sweeps.
+const INTERVAL: f32 = 0.25;
+
+/// The energy budget of a body, which lasts from frame to frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct EnergyBudget {
+    /// Energy that constraints may give back \[J\], infinite while it is unlimited.
+    pub(crate) slack: f32,
+    /// Time since the elastic energy was measured \[s\].
+    pub(crate) age: f32,
+}
+
+impl Default for EnergyBudget {
+    /// Returns an unlimited budget, of a body in an unknown state.
+    fn default() -> Self {
+        Self {
+            slack: f32::INFINITY,
+            age: 0.0,
+        }
+    }
+}
+
+/// What the guard of a body does in a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct GuardInputs {
+    /// Constants of the first-order substeps of the frame.
+    pub(crate) constants: StepConstants,
+    /// Factor of the velocities relative to the rigid motion, from damping.
+    pub(crate) kept: f32,
+    /// Whether to restore momenta and to limit the energy.
+    pub(crate) conserves: bool,
+    /// Whether something does unknown work in the frame.
+    pub(crate) is_driven: bool,
+    /// Whether pins or contacts hold the body.
+    pub(crate) is_held: bool,
+    /// Factor of the slack beyond the elastic energy, if that is measured at the end of the frame.
+    pub(crate) relaxation: Option<f32>,
+}
+
+impl GuardInputs {
+    /// Returns the inputs of a frame; `None` if there is nothing to do.
+    pub(crate) fn new(
+        budget: &EnergyBudget,
+        constants: &StepConstants,
+        damping: f32,
+        conserves: bool,
+    ) -> Option<Self> {
+        let time = constants.h * constants.substeps as f32;
+        let is_idle = damping == 0.0 && !conserves || constants.substeps == 0;
+        let age = budget.age + time;
+        let is_due = budget.slack.is_infinite() || age >= INTERVAL;
+        (!is_idle).then_some(Self {
+            constants: *constants,
+            kept: (-damping * time).exp(),
+            conserves,
+            is_driven: false,
+            is_held: false,
+            relaxation: (conserves && is_due).then(|| (-age / RELAXATION).exp()),
+        })
+    }
+}
+
+/// A body as the guard sees it at one time.
+#[derive(Debug)]
+pub(crate) struct GuardedBody<'a> {
+    pub(crate) positions: &'a [[f32; 4]],
+    pub(crate) velocities: &'a mut [[f32; 4]],
+    pub(crate) pieces: &'a PieceVertices,
+    pub(crate) sets: ElasticSets<'a>,
+    pub(crate) budget: &'a mut EnergyBudget,
+}
+
+/// The rigid motions of the pieces of an island, in memory reused between frames.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Guard {
+    /// Those at the start of the frame, body after body.
+    start: Vec<RigidMotion>,
+    /// The changes at its end.
+    end: Vec<Change>,
+    energies: Vec<Energies>,
+}
+
+/// The rigid motion of a piece at the end of a frame, and its change.
+#[derive(Debug, Clone, Copy)]
+struct Change {
+    motion: RigidMotion,
+    /// Angular velocity before the change [rad/s].
+    turn: [f32; 3],
+    velocity_change: [f32; 3],
+    turn_change: [f32; 3],
+}
+
+/// Energies of a body in a frame \[J\].
+#[derive(Debug, Clone, Copy, Default)]
+struct Energies {
+    /// Mass \[kg\].
+    mass: f32,
+    /// Kinetic energy at the start.
+    before: f32,
+    /// Kinetic energy of rigid motions at the end, changes included.
+    rigid: f32,
+    /// Kinetic energy of other motions at the end, damping included.
+    relative: f32,
+    /// Change of the energy of height.
+    height: f32,
+}
+
+impl Energies {
+    /// Returns the energy that a body has gained at the expense of its constraints.
+    fn gain(&self) -> f32 {
+        ((self.rigid + self.relative) + self.height) - self.before
+    }
+}
+
+impl Guard {
+    /// Begins a frame of an island.
+    pub(crate) fn clear(&mut self) {
+        self.start.clear();
+        self.end.clear();
+        self.energies.clear();
+    }
+
+    /// Measures a body at the start of a frame; bodies follow each other.
+    pub(crate) fn begin(&mut self, body: &GuardedBody<'_>) {
+        let pieces = body.pieces.iter();
+        let of = |vertices: &[_]| RigidMotion::of(body.positions, body.velocities, vertices);
+        self.start.extend(pieces.map(of));
+    }
+
+    /// Measures a body at the end of a frame; bodies follow each other as at its start.
+    ///
+    /// `is_free` tells that nothing but gravity has moved it.
+    pub(crate) fn end(&mut self, body: &GuardedBody<'_>, inputs: &GuardInputs, is_free: bool) {
+        let constants = &inputs.constants;
+        let fall = constants
+            .gravity_step
+            .map(|g| g * constants.substeps as f32);
+        let mut energies = Energies::default();
+        let first = self.end.len();
+        for (start, vertices) in self.start[first..].iter().zip(body.pieces.iter()) {
+            let motion = RigidMotion::of(body.positions, body.velocities, vertices);
+            let turn = motion.turn(motion.momentum);
+            let mut change = Change {
+                motion,
+                turn,
+                velocity_change: [0.0; 3],
+                turn_change: [0.0; 3],
+            };
+            let (mut velocity, mut momentum) = (motion.velocity, motion.momentum);
+            let rigid = motion.rigid_energy(velocity, turn, momentum);
+            if inputs.conserves && is_free {
+                velocity = add(start.velocity, fall);
+                momentum = start.momentum;
+                change.velocity_change = subtract(velocity, motion.velocity);
+                change.turn_change = motion.turn(subtract(momentum, motion.momentum));
+            }
+            let relative = motion.kinetic - rigid;
+            let relative = if relative > 0.0 { relative } else { 0.0 };
+            let moved = add(
+                subtract(motion.origin, start.origin),
+                subtract(motion.center, start.center),
+            );
+            energies.mass += motion.mass;
+            energies.before += start.kinetic;
+            energies.rigid +=
+                motion.rigid_energy(velocity, add(turn, change.turn_change), momentum);
+            energies.relative += (inputs.kept * inputs.kept) * relative;
+            energies.height -= motion.mass * dot(constants.gravity_step, moved) / constants.h;
+            self.end.push(change);
+        }
+        self.energies.push(energies);
+    }
+
+    /// Changes the velocities of an island's bodies, and their budgets.
+    ///
+    /// `is_held` tells that pins, contacts or colliders change rigid motions.
+    pub(crate) fn finish<'a>(
+        &self,
+        bodies: impl Iterator<Item = (GuardedBody<'a>, GuardInputs)>,
+        slack: f32,
+        is_held: bool,
+    ) {
+        let sum = |of: fn(&Energies) -> f32| self.energies.iter().map(of).fold(0.0, |a, b| a + b);
+        let (rigid, relative) = (sum(|e| e.rigid), sum(|e| e.relative));
+        let excess = sum(Energies::gain) - slack;
+        let scale = |excess: f32, of: f32| {
+            let left = 1.0 - excess / of;
+            let left = if left > 0.0 { left } else { 0.0 };
+            left.sqrt()
+        };
+        let is_over = excess > 0.0;
+        let of_relative = if is_over && relative > 0.0 {
+            scale(excess, relative)
+        } else {
+            1.0
+        };
+        let rest = excess - relative;
+        let of_rigid = if is_over && is_held && rest > 0.0 && rigid > 0.0 {
+            scale(rest, rigid)
+        } else {
+            1.0
+        };
+        let left = |e: &Energies| {
+            let Energies {
+                rigid, relative, ..
+            } = *e;
+            let change =
+                (1.0 - of_rigid * of_rigid) * rigid + (1.0 - of_relative * of_relative) * relative;
+            change - e.gain()
+        };
+        let slack = slack + self.energies.iter().map(left).fold(0.0, |a, b| a + b);
+        let slack = if slack > 0.0 { slack } else { 0.0 };
+        let mass = sum(|e| e.mass);
+        let mut changes = self.end.iter();
+        for ((mut body, inputs), energies) in bodies.zip(&self.energies) {
+            let of_relative = inputs.kept * of_relative;
+            for (vertices, change) in body.pieces.iter().zip(changes.by_ref()) {
+                let is_same = of_relative == 1.0 && of_rigid == 1.0;
+                if !(is_same && change.is_none()) {
+                    let (positions, velocities) = (body.positions, &mut *body.velocities);
+                    change.apply(positions, velocities, vertices, [of_relative, of_rigid]);
+                }
+            }
+            let share = if mass > 0.0 {
+                energies.mass / mass
+            } else {
+                0.0
+            };
+            if inputs.conserves {
+                body.renew(&inputs, slack * share);
+            }
+        }
+    }
+
+    /// Returns the allocated size in elements.
+    pub(crate) fn capacity(&self) -> usize {
+        self.start.capacity() + self.end.capacity() + self.energies.capacity()
+    }
+}
+
+impl Change {
+    fn is_none(&self) -> bool {
+        self.velocity_change == [0.0; 3] && self.turn_change == [0.0; 3]
+    }
+
+    /// Changes the velocities of a piece, with factors of the relative and the rigid motion.
+    #[inline(always)]
+    fn apply(
+        &self,
+        positions: &[[f32; 4]],
+        velocities: &mut [[f32; 4]],
+        vertices: &[incise_mesh::VertexId],
+        [relative, rigid]: [f32; 2],
+    ) {
+        let RigidMotion {
+            origin,
+            center,
+            velocity,
+            ..
+        } = self.motion;
+        let end_velocity = add(velocity, self.velocity_change);
+        let end_turn = add(self.turn, self.turn_change);
+        for v in vertices {
+            let [x, y, z, w] = positions[v.index()];
+            if w > 0.0 {
+                let arm = subtract(subtract([x, y, z], origin), center);
+                let v = &mut velocities[v.index()];
+                let own = [v[0], v[1], v[2]];
+                let around = subtract(subtract(own, velocity), cross(self.turn, arm));
+                let carried = add(end_velocity, cross(end_turn, arm));
+                let restored = add(self.velocity_change, cross(self.turn_change, arm));
+                for k in 0..3 {
+                    let scaled = (relative - 1.0) * around[k] + (rigid - 1.0) * carried[k];
+                    v[k] += scaled + restored[k];
+                }
+            }
+        }
+    }
+}
+
+impl RigidMotion {
+    /// Returns the kinetic energy of a rigid motion \[J\].
+    #[inline(always)]
+    fn rigid_energy(&self, velocity: [f32; 3], turn: [f32; 3], momentum: [f32; 3]) -> f32 {
+        0.5 * (self.mass * dot(velocity, velocity) + dot(turn, momentum))
+    }
+}
+
+impl GuardedBody<'_> {
+    /// Updates the budget after a frame that left `slack` \[J\].
+    fn renew(&mut self, inputs: &GuardInputs, slack: f32) {
+        let constants = &inputs.constants;
+        let time = constants.h * constants.substeps as f32;
+        let (mut slack, mut age) = (slack, self.budget.age + time);
+        if inputs.is_driven {
+            (slack, age) = (f32::INFINITY, 0.0);
+        } else if let Some(relaxation) = inputs.relaxation {
+            let elastic = elastic_energy(self.positions, self.sets, constants);
+            if slack > elastic {
+                let rest = if slack.is_infinite() {
+                    0.0
+                } else {
+                    (slack - elastic) * relaxation
+                };
+                slack = elastic + rest;
+            }
+            age = 0.0;
+        }
+        *self.budget = EnergyBudget { slack, age };
+    }
+}
+
+#[inline(always)]
+fn add(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+#[inline(always)]
+fn subtract(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
+}
