@@ -10,6 +10,7 @@ mod contacts;
 mod context;
 mod edit;
 mod error;
+mod guard;
 mod layout;
 mod lists;
 mod motion;

@@ -25,6 +25,8 @@ use crate::particles::{Particles, inverse};
 use crate::patches::PatchParams;
 use crate::step::StepState;
 use crate::step::constants::StepConstants;
+#[cfg(feature = "gpu")]
+use crate::step::guard::EnergyBudget;
 use crate::step::guard::{GuardInputs, GuardedBody};
 use crate::step::island::{Island, IslandError};
 use crate::step::params::{SolverParams, StepStats};
@@ -201,6 +203,27 @@ impl Solver {
             is_driven,
             ..inputs
         })
+    }
+
+    /// Returns the energy budget.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn budget(&self) -> &EnergyBudget {
+        &self.step.budget
+    }
+
+    /// Follows the guard of a frame on the GPU.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn follow_guard(&mut self, inputs: &GuardInputs) {
+        self.step.budget.follow(inputs);
+    }
+
+    /// Sets the slack that was read back from a GPU \[J\], unless the budget is unlimited.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn set_slack(&mut self, slack: f32) {
+        let budget = &mut self.step.budget;
+        if !budget.is_unlimited() {
+            budget.slack = slack;
+        }
     }
 
     /// Borrows the body for its guard.

@@ -26,12 +26,6 @@ impl PieceVertices {
         self.ends.len()
     }
 
-    /// Returns all vertices, piece after piece.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn vertices(&self) -> &[VertexId] {
-        &self.vertices
-    }
-
     /// Returns a number that changes whenever the lists do.
     #[cfg(feature = "gpu")]
     pub(crate) fn generation(&self) -> u64 {
@@ -93,11 +87,17 @@ fn index(number: u32) -> usize {
 mod tests {
     use super::*;
     use incise_mesh::icosphere;
-    use incise_models::scenes::joined;
 
     #[test]
     fn every_vertex_is_in_the_list_of_its_piece() {
-        let surface = joined(&[icosphere(0, 1.0), icosphere(1, 2.0), icosphere(0, 3.0)]);
+        let (mut corners, mut faces) = (Vec::new(), Vec::new());
+        for ball in [0, 1, 0].map(|level| icosphere(level, 1.0)) {
+            let first = index_u32(corners.len());
+            corners.extend_from_slice(ball.rest_positions());
+            let topology = ball.topology();
+            faces.extend((topology.triangles()).map(|t| topology.triangle(t).map(|v| v.0 + first)));
+        }
+        let surface = Surface::from_triangles(&corners, &faces).unwrap();
         let mut pieces = PieceVertices::default();
         pieces.update(&surface);
         let counts: Vec<usize> = pieces.iter().map(<[VertexId]>::len).collect();

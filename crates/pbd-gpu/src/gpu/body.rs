@@ -4,6 +4,7 @@ use super::arena::{Arena, with_slack};
 use super::contacts::DeviceContacts;
 use super::context::Context;
 use super::error::GpuError;
+use super::guard::DeviceGuard;
 use super::layout::{BodyRecord, Motion, PATCH_LAYERS, RUN_COLORS, RUN_STRIDE, Run};
 use super::patch_blocks::Blocks;
 use super::records::{Places, body_record, inverse_mass, motion, position};
@@ -18,6 +19,7 @@ use crate::follow::changes::Changes;
 use crate::kernels::volume::CHUNK;
 use crate::solver::Solver;
 use crate::step::constants::StepConstants;
+use crate::step::guard::GuardInputs;
 use crate::step::pass::ConstraintKind;
 use crate::step::plan::StepPlan;
 use bytemuck::Zeroable;
@@ -61,6 +63,7 @@ pub(super) struct DeviceBody {
     /// Allocated vertices, slack included.
     vertices: Range<u32>,
     pub(super) vertex_count: u32,
+    guard: DeviceGuard,
     stretch: Runs,
     bending: Runs,
     interior_springs: Runs,
@@ -97,6 +100,7 @@ impl DeviceBody {
             slot,
             vertices: 0..0,
             vertex_count: 0,
+            guard: DeviceGuard::default(),
             stretch: Runs::default(),
             bending: Runs::default(),
             interior_springs: Runs::default(),
@@ -189,6 +193,7 @@ impl DeviceBody {
 
     /// Frees all ranges.
     pub(super) fn free(&mut self, arenas: &mut Arenas) {
+        self.guard.free(&mut arenas.entries);
         self.stretch.free(&mut arenas.entries);
         self.bending.free(&mut arenas.entries);
         self.interior_springs.free(&mut arenas.entries);
@@ -219,6 +224,7 @@ impl DeviceBody {
         self.set_schedule(Schedule::Patches, has_patches);
         if self.is_divided {
             // Constraints within patches leave the runs.
+            self.guard.free(&mut arenas.entries);
             self.stretch.free(&mut arenas.entries);
             self.bending.free(&mut arenas.entries);
         }
@@ -280,6 +286,7 @@ impl DeviceBody {
                 moved |= blocks.update(context, entries, uploads, patching, contents)?;
             }
         }
+        (self.guard).update(context, entries, uploads, &solver.constraints().pieces)?;
         let mut counts = self.volumes.update(context, entries, uploads, host)?;
         if moved {
             self.send_tables(context, arenas, uploads);
@@ -331,6 +338,7 @@ impl DeviceBody {
         arenas: &Arenas,
         uploads: &mut Uploads,
         constants: &StepConstants,
+        guard: Option<&GuardInputs>,
     ) {
         let places = Places {
             first_vertex: self.vertices.start,
@@ -350,8 +358,10 @@ impl DeviceBody {
             first_collider: self.colliders.start,
             colliders: self.collider_count,
             planes: self.plane_count,
+            first_guard: self.guard.first(),
+            guard_pieces: self.guard.pieces,
         };
-        let record = body_record(places, constants);
+        let record = body_record(places, constants, guard);
         let (old, new) = (
             bytemuck::bytes_of(&self.record),
             bytemuck::bytes_of(&record),

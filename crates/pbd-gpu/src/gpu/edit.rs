@@ -36,6 +36,7 @@ impl GpuBackend {
         }
         // Queued edits of other bodies must survive an error of this one.
         self.flush()?;
+        solver.step_parts().1.pieces.update(surface);
         let mut changes = std::mem::take(&mut self.changes);
         solver.take_changes(&mut changes);
         let done = self.send_changes(body, surface, solver, &changes);
@@ -81,7 +82,7 @@ impl GpuBackend {
             // The solver may be another one, with other generations of plans.
             resident.plan = StepPlan::default();
             let (buffer, offset, _) = report_part(arenas, body.slot());
-            let report = Report::new();
+            let report = Report::new(solver.budget().slack);
             uploads.send(context, buffer, offset, bytemuck::bytes_of(&report));
         } else if resident.body.schedule == Schedule::WholeBody && vertices > capacity as usize {
             let has_patches = solver.constraints().patches.is_some();

@@ -78,6 +78,28 @@ pub(crate) const KEEPS_INTERIOR_SPRINGS: u32 = 8;
 /// Flag of a body whose pieces meet fast in the frame.
 pub(crate) const IS_PRESSED: u32 = 16;
 
+/// Flag of a body with a guard in the frame.
+pub(crate) const IS_GUARDED: u32 = 32;
+
+/// Flag of a body whose momenta and energy are conserved.
+pub(crate) const CONSERVES: u32 = 64;
+
+/// Flag of a body on which something does unknown work.
+pub(crate) const IS_DRIVEN: u32 = 128;
+
+/// Flag of a body that pins or contacts hold.
+pub(crate) const IS_HELD: u32 = 256;
+
+/// Flag of a body whose energy budget is unlimited at the start of the frame.
+pub(crate) const IS_UNLIMITED: u32 = 512;
+
+/// Flag of a body whose elastic energy is measured at the end of the frame.
+pub(crate) const RENEWS: u32 = 1024;
+
+/// Entries of a piece of the guard: first vertex in the list and number of vertices; the motion
+/// at the start of the frame; that at its end and its change.
+pub(crate) const GUARD_ENTRIES: usize = 18;
+
 /// Inverse mass of an unused slot, which does not move.
 pub(crate) const UNUSED: f32 = -1.0;
 
@@ -225,8 +247,7 @@ gpu_struct! {
         bending_alpha: f32,
         /// Coulomb friction coefficient.
         friction: f32,
-        /// [`KEEPS_STRETCH`], [`KEEPS_BENDING`], [`KEEPS_VOLUME`], [`KEEPS_INTERIOR_SPRINGS`] and
-        /// [`IS_PRESSED`].
+        /// [`KEEPS_STRETCH`] and the flags after it.
         flags: u32,
         /// First of its [`RUNS_PER_BODY`] runs.
         first_run: u32,
@@ -265,6 +286,13 @@ gpu_struct! {
         colliders: u32,
         /// Number of planes, which are the last colliders.
         planes: u32,
+        /// First entry and number of the pieces of the guard.
+        first_guard: u32,
+        guard_pieces: u32,
+        /// Factor of the velocities relative to rigid motions per frame, from damping.
+        kept: f32,
+        /// Factor of the slack beyond the elastic energy, if that is measured in the frame.
+        relaxation: f32,
     }
 }
 
@@ -318,13 +346,17 @@ gpu_struct! {
         /// Maximum displacement along an axis in a substep since the last reset \[m\], as plain
         /// bits.
         max_displacement: (atomic u32),
+        /// 1 if a vertex was in a collider in the frame, else 0.
+        met_collider: (atomic u32),
+        /// Slack of the energy budget \[J\], as plain bits.
+        slack: (atomic u32),
         pad: u32,
     }
 }
 
 impl Report {
-    /// Returns the report before the first frame.
-    pub(crate) fn new() -> Self {
+    /// Returns the report before the first frame, with the slack of the energy budget \[J\].
+    pub(crate) fn new(slack: f32) -> Self {
         let (highest, least) = (ordered(f32::INFINITY), ordered(f32::NEG_INFINITY));
         Self {
             box_min: [highest; 3],
@@ -332,8 +364,15 @@ impl Report {
             bad_vertex: u32::MAX,
             bad_substep: u32::MAX,
             max_displacement: 0,
+            met_collider: 0,
+            slack: slack.to_bits(),
             pad: 0,
         }
+    }
+
+    /// Returns the slack of the energy budget \[J\].
+    pub(crate) fn slack(&self) -> f32 {
+        f32::from_bits(self.slack)
     }
 
     /// Returns minimum and maximum corner of the bounding box \[m\].

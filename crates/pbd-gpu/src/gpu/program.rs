@@ -57,6 +57,8 @@ pub(super) struct Program {
     pub(super) iteration: Vec<Dispatch>,
     pub(super) contact_round: Vec<Dispatch>,
     pub(super) epilogue: Vec<Dispatch>,
+    /// The guard before and after all substeps, if a body has one.
+    pub(super) guard: [Option<Dispatch>; 2],
     /// Bounding boxes after the last substep, if requested.
     pub(super) bounds: [Option<Dispatch>; 2],
     pub(super) iterations: u32,
@@ -101,6 +103,7 @@ impl Program {
         compiler.is_later_round = false;
         let epilogue = compiler.merged(StepPlan::epilogue);
         compiler.program.epilogue = compiler.dispatches(&epilogue);
+        compiler.guard();
         compiler.bounds();
         compiler.program
     }
@@ -134,7 +137,8 @@ impl Program {
     /// Returns the kernels of every frame.
     pub(super) fn kernels(&self) -> impl Iterator<Item = Kernel> {
         let lists = [&self.prologue, &self.iteration, &self.epilogue];
-        let dispatches = lists.into_iter().flatten().chain(&self.whole);
+        let guard = self.guard.iter().flatten();
+        let dispatches = lists.into_iter().flatten().chain(&self.whole).chain(guard);
         dispatches.map(|d| d.kernel)
     }
 
@@ -182,6 +186,14 @@ impl Compiler<'_> {
             let dispatch = self.dispatch(Kernel::WholeBody, pass, false, &links);
             self.program.whole.extend(dispatch);
         }
+    }
+
+    /// Adds the guard, one workgroup per body.
+    fn guard(&mut self) {
+        let bodies = self.bodies.iter();
+        let lanes: Vec<(u32, u32)> = bodies.map(|b| (b.slot, self.workgroup)).collect();
+        self.program.guard = [EntryPoint::BeginGuard, EntryPoint::EndGuard]
+            .map(|entry| self.dispatch(Kernel::Pass(entry), PLAIN_PASS, false, &lanes));
     }
 
     fn bounds(&mut self) {

@@ -92,6 +92,7 @@ impl GpuBackend {
                 let [x, y, z, _] = vector(from);
                 *to = [x, y, z, to[3]];
             }
+            solver.set_slack(report.slack());
             let particles = solver.particles_mut();
             let to = (particles.velocities.iter_mut()).zip(&mut particles.corrections);
             for ((velocity, correction), from) in to.zip(motions.chunks_exact(32)) {

@@ -1,8 +1,9 @@
 //! Converts constraints, pins and parameters of bodies and frames to their GPU records.
 
 use super::layout::{
-    BodyRecord, Entry, FrameUniform, IS_PRESSED, KEEPS_BENDING, KEEPS_INTERIOR_SPRINGS,
-    KEEPS_STRETCH, KEEPS_VOLUME, Motion, PATCH_LAYERS, UNUSED,
+    BodyRecord, CONSERVES, Entry, FrameUniform, IS_DRIVEN, IS_GUARDED, IS_HELD, IS_PRESSED,
+    IS_UNLIMITED, KEEPS_BENDING, KEEPS_INTERIOR_SPRINGS, KEEPS_STRETCH, KEEPS_VOLUME, Motion,
+    PATCH_LAYERS, RENEWS, UNUSED,
 };
 use super::volumes::VolumePlaces;
 use crate::constraints::attachments::LongRangeAttachment;
@@ -10,6 +11,7 @@ use crate::constraints::batches::Batch;
 use crate::particles::Pin;
 use crate::solver::Solver;
 use crate::step::constants::StepConstants;
+use crate::step::guard::GuardInputs;
 use crate::step::params::SolverParams;
 use incise_mesh::{Surface, VertexId};
 
@@ -87,10 +89,18 @@ pub(super) struct Places {
     pub(super) first_collider: u32,
     pub(super) colliders: u32,
     pub(super) planes: u32,
+    pub(super) first_guard: u32,
+    pub(super) guard_pieces: u32,
 }
 
 /// Returns the record of a body that kernels read.
-pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyRecord {
+pub(super) fn body_record(
+    places: Places,
+    constants: &StepConstants,
+    guard: Option<&GuardInputs>,
+) -> BodyRecord {
+    let has = |of: fn(&GuardInputs) -> bool| guard.is_some_and(of);
+    let relaxation = guard.and_then(|guard| guard.relaxation);
     let flag = |is_set: bool, bit: u32| if is_set { bit } else { 0 };
     BodyRecord {
         first_vertex: places.first_vertex,
@@ -111,7 +121,13 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
                 constants.interior_springs.accumulates_lambda,
                 KEEPS_INTERIOR_SPRINGS,
             )
-            | flag(constants.volume.is_pressed, IS_PRESSED),
+            | flag(constants.volume.is_pressed, IS_PRESSED)
+            | flag(guard.is_some(), IS_GUARDED)
+            | flag(has(|guard| guard.conserves), CONSERVES)
+            | flag(has(|guard| guard.is_driven), IS_DRIVEN)
+            | flag(has(|guard| guard.is_held), IS_HELD)
+            | flag(has(|guard| guard.is_unlimited), IS_UNLIMITED)
+            | flag(relaxation.is_some(), RENEWS),
         first_run: places.first_run,
         stretch_colors: places.stretch_colors,
         bending_colors: places.bending_colors,
@@ -135,6 +151,10 @@ pub(super) fn body_record(places: Places, constants: &StepConstants) -> BodyReco
         first_collider: places.first_collider,
         colliders: places.colliders,
         planes: places.planes,
+        first_guard: places.first_guard,
+        guard_pieces: places.guard_pieces,
+        kept: guard.map_or(1.0, |guard| guard.kept),
+        relaxation: relaxation.unwrap_or_default(),
     }
 }
 

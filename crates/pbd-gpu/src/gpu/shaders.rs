@@ -67,11 +67,15 @@ pub(crate) enum EntryPoint {
     ResetBounds,
     /// One lane per vertex, after [`EntryPoint::ResetBounds`].
     Bounds,
+    /// One workgroup per body, before the first substep.
+    BeginGuard,
+    /// One workgroup per body, after the last substep.
+    EndGuard,
 }
 
 impl EntryPoint {
     /// All entry points; the index of an entry point is its number.
-    pub(crate) const ALL: [Self; 15] = [
+    pub(crate) const ALL: [Self; 17] = [
         Self::Predict,
         Self::Pins,
         Self::LongRangeAttachments,
@@ -87,6 +91,8 @@ impl EntryPoint {
         Self::Integrate,
         Self::ResetBounds,
         Self::Bounds,
+        Self::BeginGuard,
+        Self::EndGuard,
     ];
 
     /// Returns the name of the function.
@@ -107,6 +113,8 @@ impl EntryPoint {
             Self::Integrate => "integrate",
             Self::ResetBounds => "reset_bounds",
             Self::Bounds => "bounds",
+            Self::BeginGuard => "begin_guard",
+            Self::EndGuard => "end_guard",
         }
     }
 }
@@ -135,6 +143,9 @@ pub(crate) fn passes(workgroup_size: u32, tail_size: u32) -> String {
         include_str!("../kernels/volume.wgsl"),
         include_str!("../kernels/bounds.wgsl"),
         include_str!("shaders/volumes.wgsl"),
+        include_str!("../kernels/rigid_motion.wgsl"),
+        include_str!("../kernels/elastic.wgsl"),
+        include_str!("shaders/guard.wgsl"),
         include_str!("shaders/passes.wgsl"),
     ];
     let constants = [("WORKGROUP_SIZE", workgroup_size), ("TAIL_SIZE", tail_size)];

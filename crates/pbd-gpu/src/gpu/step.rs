@@ -13,6 +13,7 @@ use super::uniforms::PASS_STRIDE;
 use crate::error::StepError;
 use crate::solver::Solver;
 use crate::step::constants::StepConstants;
+use crate::step::guard::GuardInputs;
 use crate::step::params::SolverParams;
 use crate::step::prepare::FrameInputs;
 use crate::step::rounds::contact_rounds;
@@ -85,7 +86,7 @@ impl GpuBackend {
     ) -> Result<(), GpuError> {
         let mut frame = FrameUniform::zeroed();
         self.stepped.clear();
-        let mut prepared = Ok(());
+        let (mut prepared, mut has_guard) = (Ok(()), false);
         let substeps = bodies.first().map_or(0, |body| body.inputs.substeps.count);
         for stepped in bodies {
             let (body, solver) = (stepped.body, &mut *stepped.solver);
@@ -101,13 +102,18 @@ impl GpuBackend {
                 }
             };
             solver.set_time_left(stepped.time_left);
+            let guard = solver.prepare_guard(&constants, false, params);
+            if let Some(guard) = &guard {
+                solver.follow_guard(guard);
+            }
+            has_guard |= guard.is_some();
             #[cfg(feature = "global")]
             solver.record_sweeps();
             frame = FrameUniform {
                 measures_motion: frame.measures_motion,
                 ..frame_record(&constants, params)
             };
-            self.update_body(body, solver, &constants, stats)?;
+            self.update_body(body, solver, (&constants, guard.as_ref()), stats)?;
             self.stepped.push(body.slot());
             let measures_motion = self.resident(body)?.measures_motion;
             frame.measures_motion |= u32::from(measures_motion);
@@ -134,7 +140,8 @@ impl GpuBackend {
         self.frame += 1;
         self.note_frame();
         stats.dispatches += self.program.dispatches(substeps, wants_bounds);
-        self.submit(substeps, wants_bounds)?;
+        stats.dispatches += 2 * u32::from(has_guard);
+        self.submit(substeps, has_guard, wants_bounds)?;
         self.follow_up()?;
         stats.bytes_uploaded += self.uploads.take_bytes();
         stats.bytes_read += std::mem::take(&mut self.bytes_read);
@@ -159,7 +166,7 @@ impl GpuBackend {
         self.program_of.push(slot);
         self.program_is_stale = true;
         let made = self.make_program().and_then(|()| self.make_bounds());
-        let done = made.and_then(|()| self.submit(0, true));
+        let done = made.and_then(|()| self.submit(0, false, true));
         if let Some(resident) = self.resident_at(slot) {
             resident.wants_state = wants_state;
             resident.wants_motion = wants_motion;
@@ -172,7 +179,7 @@ impl GpuBackend {
         &mut self,
         body: GpuBody,
         solver: &Solver,
-        constants: &StepConstants,
+        (constants, guard): (&StepConstants, Option<&GuardInputs>),
         stats: &mut GpuStats,
     ) -> Result<(), GpuError> {
         let lanes = self.pipelines.lanes;
@@ -220,7 +227,7 @@ impl GpuBackend {
             .update_colliders(context, arenas, uploads, solver)?;
         resident
             .body
-            .update_record(context, arenas, uploads, constants);
+            .update_record(context, arenas, uploads, constants, guard);
         Ok(())
     }
 
@@ -286,7 +293,12 @@ impl GpuBackend {
     }
 
     /// Encodes and submits a number of substeps of the program, and the requested copies.
-    fn submit(&mut self, substeps: u32, wants_bounds: bool) -> Result<(), GpuError> {
+    fn submit(
+        &mut self,
+        substeps: u32,
+        has_guard: bool,
+        wants_bounds: bool,
+    ) -> Result<(), GpuError> {
         let mut encoder = super::encoder(&self.context, "step");
         let groups = self
             .uniforms
@@ -303,7 +315,16 @@ impl GpuBackend {
                 last: None,
             };
             encoding.pass.set_bind_group(0, &groups[0], &[]);
-            encoding.program(&self.program, substeps, wants_bounds);
+            if has_guard {
+                encoding.dispatches(self.program.guard[0].iter(), 0);
+            }
+            encoding.program(&self.program, substeps);
+            if has_guard {
+                encoding.dispatches(self.program.guard[1].iter(), 0);
+            }
+            if wants_bounds {
+                encoding.dispatches(self.program.bounds.iter().flatten(), 0);
+            }
         }
         if let Some(timestamps) = &mut self.timestamps {
             timestamps.request(&self.context, &mut encoder, self.frame)?;
@@ -395,7 +416,7 @@ struct Encoding<'a> {
 }
 
 impl Encoding<'_> {
-    fn program(&mut self, program: &Program, substeps: u32, wants_bounds: bool) {
+    fn program(&mut self, program: &Program, substeps: u32) {
         let begun =
             |dispatch: &&Dispatch| program.passes[dispatch.pass as usize].substep < substeps;
         self.dispatches(program.whole.iter().filter(begun), 0);
@@ -408,9 +429,6 @@ impl Encoding<'_> {
                 }
             }
             self.dispatches(program.epilogue.iter(), substep);
-        }
-        if wants_bounds {
-            self.dispatches(program.bounds.iter().flatten(), 0);
         }
     }
 

@@ -212,7 +212,7 @@ impl<S: Simd> Hinge<S> {
 pub(crate) fn hinge_error(x: [[f32; 4]; 4], rest: f32) -> (f32, f32) {
     let gather = Transpose(Scalar);
     let lanes = |c: f32| Lanes::splat(Scalar, c);
-    let to = |j: usize| [0, 1, 2].map(|k: usize| lanes(x[j][k] - x[0][k]));
+    let to = |j: usize| [0, 1, 2].map(|k: usize| lanes((x[j][k] - x[0][k]) + 0.0));
     let masses = [0, 1, 2, 3].map(|j: usize| lanes(x[j][3]));
     let hinge = Hinge::new::<_, 1>(gather, [to(1), to(2), to(3)], masses, lanes(rest));
     let [turn] = hinge.turn.to_array();

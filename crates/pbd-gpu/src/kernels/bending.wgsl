@@ -1,24 +1,21 @@
 // WGSL counterpart of `bending.rs`, which explains the formulas.
 
-// Projects the constraint at an entry.
-fn project_bending(at: u32, by: Projection) {
-    let hinge = constraints[at];
-    let wings = constraints[at + 1u];
-    let numbers = bitcast<vec2f>(constraints[at + 2u]);
-    let rest = numbers.x;
-    let lambda = select(0.0, numbers.y, by.accumulates_lambda);
-    let x0 = load_x(hinge.x);
-    let x1 = load_x(hinge.y);
-    let x2 = load_x(wings.x);
-    let x3 = load_x(wings.y);
-    let d0 = load_d(hinge.x);
-    let d1 = load_d(hinge.y);
-    let d2 = load_d(wings.x);
-    let d3 = load_d(wings.y);
+// A hinge in its present shape.
+struct Hinge {
+    n2: vec3f,
+    n3: vec3f,
+    f2: f32,
+    f3: f32,
+    s: f32,
+    t: f32,
+    turn: f32,
+    weight: f32,
+    is_solid: bool,
+}
 
-    let e = difference(x0, d0, x1, d1);
-    let a = difference(x0, d0, x2, d2);
-    let b = difference(x0, d0, x3, d3);
+// Measures a hinge from the vectors to its vertices from the first one, its inverse masses and its
+// rest angle.
+fn hinge_of(e: vec3f, a: vec3f, b: vec3f, w: vec4f, rest: f32) -> Hinge {
     let n2 = cross_product(e, a);
     let n3 = cross_product(b, e);
     let ee = dot_product(e, e);
@@ -46,7 +43,40 @@ fn project_bending(at: u32, by: Projection) {
     let t0 = 1.0 - t;
     let g00 = s0 * s0 * g22 + t0 * t0 * g33 + 2.0 * (s0 * t0 * g23);
     let g11 = s * s * g22 + t * t * g33 + 2.0 * (s * t * g23);
-    let weight = (x0.w * g00 + x1.w * g11) + (x2.w * g22 + x3.w * g33);
+    let weight = (w.x * g00 + w.y * g11) + (w.z * g22 + w.w * g33);
+    return Hinge(n2, n3, f2, f3, s, t, turn, weight, solid);
+}
+
+// Projects the constraint at an entry.
+fn project_bending(at: u32, by: Projection) {
+    let ends = constraints[at];
+    let wings = constraints[at + 1u];
+    let numbers = bitcast<vec2f>(constraints[at + 2u]);
+    let rest = numbers.x;
+    let lambda = select(0.0, numbers.y, by.accumulates_lambda);
+    let x0 = load_x(ends.x);
+    let x1 = load_x(ends.y);
+    let x2 = load_x(wings.x);
+    let x3 = load_x(wings.y);
+    let d0 = load_d(ends.x);
+    let d1 = load_d(ends.y);
+    let d2 = load_d(wings.x);
+    let d3 = load_d(wings.y);
+
+    let e = difference(x0, d0, x1, d1);
+    let a = difference(x0, d0, x2, d2);
+    let b = difference(x0, d0, x3, d3);
+    let hinge = hinge_of(e, a, b, vec4f(x0.w, x1.w, x2.w, x3.w), rest);
+    let n2 = hinge.n2;
+    let n3 = hinge.n3;
+    let f2 = hinge.f2;
+    let f3 = hinge.f3;
+    let s = hinge.s;
+    let t = hinge.t;
+    let s0 = 1.0 - s;
+    let t0 = 1.0 - t;
+    let turn = hinge.turn;
+    let weight = hinge.weight;
 
     let m2 = (d2 - d0) - s * (d1 - d0);
     let m3 = (d3 - d0) - t * (d1 - d0);
@@ -65,7 +95,7 @@ fn project_bending(at: u32, by: Projection) {
     left = select(left, before - returned, before > returned);
     left = select(left, before + returned, before < -returned);
     let wish = by.factor * ((turn - left) + by.alpha * lambda);
-    let movable = solid && weight > 0.0;
+    let movable = hinge.is_solid && weight > 0.0;
     let sum = by.diagonal_scale * weight + by.alpha;
     let under = select(sum, weight, weight > sum);
     let most = MAX_TURN / weight;
@@ -80,8 +110,8 @@ fn project_bending(at: u32, by: Projection) {
     let ms0 = select(0.0, s0, movable);
     let mt0 = select(0.0, t0, movable);
 
-    store_d(hinge.x, d0 + (-x0.w) * (ms0 * u2 + mt0 * u3));
-    store_d(hinge.y, d1 + (-x1.w) * (ms * u2 + mt * u3));
+    store_d(ends.x, d0 + (-x0.w) * (ms0 * u2 + mt0 * u3));
+    store_d(ends.y, d1 + (-x1.w) * (ms * u2 + mt * u3));
     store_d(wings.x, d2 + x2.w * u2);
     store_d(wings.y, d3 + x3.w * u3);
     if (by.accumulates_lambda) {

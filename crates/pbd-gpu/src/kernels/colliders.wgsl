@@ -48,8 +48,9 @@ fn collider_origin(at: u32) -> vec3f {
     return collider_vector(at, 2u) + collider_velocity(at) * time;
 }
 
-// Pushes a vertex out of the colliders that start at an entry, in the substep of substep_index.
-fn push_out(i: u32, first: u32, count: u32, friction: f32) {
+// Pushes a vertex out of the colliders that start at an entry, in the substep of substep_index, and
+// reports it for a body.
+fn push_out(slot: u32, i: u32, first: u32, count: u32, friction: f32) {
     let x = load_x(i);
     if (!(x.w > 0.0)) {
         return;
@@ -61,6 +62,9 @@ fn push_out(i: u32, first: u32, count: u32, friction: f32) {
         let out = separation(q, d, at);
         let depth = select(0.0, -out.distance, out.distance < 0.0);
         if (depth > 0.0 || (friction_bound(i) > 0.0 && touches(out.distance, q))) {
+            if (depth > 0.0) {
+                atomicStore(&reports[slot].met_collider, 1u);
+            }
             let n = out.normal;
             let dragged = collider_velocity(at) * frame.collider_step;
             let relative = d - dragged;

@@ -226,7 +226,6 @@ fn steps_of(sums: vec4f, rest: f32, reach: f32, body: Body, lambda: f32) -> vec2
         left = select(left, before - most, before > most);
         left = select(left, before + most, before < -most);
     }
-    left = select(left, kept, abs(kept) > abs(left));
     let alpha = body.volume_alpha * size;
     var shift = 0.0;
     if (error > most || error < -most) {

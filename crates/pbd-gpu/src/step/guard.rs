@@ -30,18 +30,41 @@ const INTERVAL: f32 = 0.25;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct EnergyBudget {
-    /// Energy that constraints may give back \[J\], infinite while it is unlimited.
+    /// Energy that constraints may give back \[J\]; [`UNLIMITED`] and more is no limit.
     pub(crate) slack: f32,
     /// Time since the elastic energy was measured \[s\].
     pub(crate) age: f32,
 }
 
+/// Slack of an unlimited budget \[J\]; drivers of GPUs may assume that no number is infinite.
+pub(crate) const UNLIMITED: f32 = 1e30;
+
 impl Default for EnergyBudget {
     /// Returns an unlimited budget, of a body in an unknown state.
     fn default() -> Self {
         Self {
-            slack: f32::INFINITY,
+            slack: UNLIMITED,
             age: 0.0,
+        }
+    }
+}
+
+impl EnergyBudget {
+    /// Returns whether the budget is unlimited.
+    pub(crate) fn is_unlimited(&self) -> bool {
+        self.slack >= UNLIMITED
+    }
+
+    /// Follows a frame on the GPU, which has the slack.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn follow(&mut self, inputs: &GuardInputs) {
+        if !inputs.conserves {
+            return;
+        }
+        self.age += inputs.time();
+        if inputs.is_driven || inputs.relaxation.is_some() {
+            self.age = 0.0;
+            self.slack = if inputs.is_driven { UNLIMITED } else { 0.0 };
         }
     }
 }
@@ -59,6 +82,8 @@ pub(crate) struct GuardInputs {
     pub(crate) is_driven: bool,
     /// Whether pins or contacts hold the body.
     pub(crate) is_held: bool,
+    /// Whether the budget is unlimited at the start of the frame.
+    pub(crate) is_unlimited: bool,
     /// Factor of the slack beyond the elastic energy, if that is measured at the end of the frame.
     pub(crate) relaxation: Option<f32>,
 }
@@ -71,19 +96,32 @@ impl GuardInputs {
         damping: f32,
         conserves: bool,
     ) -> Option<Self> {
-        let time = constants.h * constants.substeps as f32;
+        let time = frame_time(constants);
         let is_idle = damping == 0.0 && !conserves || constants.substeps == 0;
         let age = budget.age + time;
-        let is_due = budget.slack.is_infinite() || age >= INTERVAL;
+        let is_due = budget.is_unlimited() || age >= INTERVAL;
         (!is_idle).then_some(Self {
             constants: *constants,
             kept: (-damping * time).exp(),
             conserves,
             is_driven: false,
             is_held: false,
+            is_unlimited: budget.is_unlimited(),
             relaxation: (conserves && is_due).then(|| (-age / RELAXATION).exp()),
         })
     }
+}
+
+impl GuardInputs {
+    /// Returns the duration of all substeps of the frame \[s\].
+    fn time(&self) -> f32 {
+        frame_time(&self.constants)
+    }
+}
+
+/// Returns the duration of all substeps of a frame \[s\].
+fn frame_time(constants: &StepConstants) -> f32 {
+    constants.h * constants.substeps as f32
 }
 
 /// A body as the guard sees it at one time.
@@ -315,20 +353,15 @@ impl RigidMotion {
 impl GuardedBody<'_> {
     /// Updates the budget after a frame that left `slack` \[J\].
     fn renew(&mut self, inputs: &GuardInputs, slack: f32) {
-        let constants = &inputs.constants;
-        let time = constants.h * constants.substeps as f32;
-        let (mut slack, mut age) = (slack, self.budget.age + time);
+        let (mut slack, mut age) = (slack, self.budget.age + inputs.time());
         if inputs.is_driven {
-            (slack, age) = (f32::INFINITY, 0.0);
+            (slack, age) = (UNLIMITED, 0.0);
         } else if let Some(relaxation) = inputs.relaxation {
-            let elastic = elastic_energy(self.positions, self.sets, constants);
-            if slack > elastic {
-                let rest = if slack.is_infinite() {
-                    0.0
-                } else {
-                    (slack - elastic) * relaxation
-                };
-                slack = elastic + rest;
+            let elastic = elastic_energy(self.positions, self.sets, &inputs.constants);
+            if inputs.is_unlimited {
+                slack = elastic;
+            } else if slack > elastic {
+                slack = elastic + (slack - elastic) * relaxation;
             }
             age = 0.0;
         }

@@ -6,14 +6,18 @@ use crate::constraints::coloring::MAX_COLORS;
 use crate::constraints::contacts::{ContactKind, NO_VERTEX, SupportedSide};
 use crate::constraints::interior_springs;
 use crate::gpu::layout::{
-    ATTACHMENT_ENTRIES, BENDING, BENDING_ENTRIES, CHUNK_ENTRIES, COLLIDER_ENTRIES, CONTACT_ENTRIES,
-    CONTACT_FEATURES, CONTACT_RECOVERIES, CONTACTS, INTERIOR_SPRINGS, IS_PRESSED, KEEPS_BENDING,
+    ATTACHMENT_ENTRIES, BENDING, BENDING_ENTRIES, CHUNK_ENTRIES, COLLIDER_ENTRIES, CONSERVES,
+    CONTACT_ENTRIES, CONTACT_FEATURES, CONTACT_RECOVERIES, CONTACTS, GUARD_ENTRIES,
+    INTERIOR_SPRINGS, IS_DRIVEN, IS_GUARDED, IS_HELD, IS_PRESSED, IS_UNLIMITED, KEEPS_BENDING,
     KEEPS_INTERIOR_SPRINGS, KEEPS_STRETCH, KEEPS_VOLUME, PATCH_LAYERS, PIECE_ENTRIES, PIN_ENTRIES,
-    RUN_COLORS, STRETCH, STRETCH_ENTRIES, ordered,
+    RENEWS, RUN_COLORS, STRETCH, STRETCH_ENTRIES, ordered,
 };
 use crate::kernels::arctangent::COEFFICIENTS;
 use crate::kernels::volume::{self, CHUNK, motion, steps};
-use crate::kernels::{attachments, bending, colliders, contact_features, contacts};
+use crate::kernels::{
+    attachments, bending, colliders, contact_features, contacts, elastic, rigid_motion,
+};
+use crate::step::guard;
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::fmt::Write;
 
@@ -22,7 +26,7 @@ use std::fmt::Write;
     clippy::cast_possible_truncation,
     reason = "small constants of this crate"
 )]
-const INTEGERS: [(&str, u32); 34] = [
+const INTEGERS: [(&str, u32); 41] = [
     ("RUN_COLORS", RUN_COLORS as u32),
     ("PATCH_LAYERS", PATCH_LAYERS as u32),
     ("OVERFLOW", OVERFLOW as u32),
@@ -48,6 +52,13 @@ const INTEGERS: [(&str, u32); 34] = [
     ("PIN_ENTRIES", PIN_ENTRIES as u32),
     ("ATTACHMENT_ENTRIES", ATTACHMENT_ENTRIES as u32),
     ("IS_PRESSED", IS_PRESSED),
+    ("IS_GUARDED", IS_GUARDED),
+    ("CONSERVES", CONSERVES),
+    ("IS_DRIVEN", IS_DRIVEN),
+    ("IS_HELD", IS_HELD),
+    ("IS_UNLIMITED", IS_UNLIMITED),
+    ("RENEWS", RENEWS),
+    ("GUARD_ENTRIES", GUARD_ENTRIES as u32),
     ("KEEPS_STRETCH", KEEPS_STRETCH),
     ("KEEPS_BENDING", KEEPS_BENDING),
     ("PIECE_ENTRIES", PIECE_ENTRIES as u32),
@@ -60,7 +71,7 @@ const INTEGERS: [(&str, u32); 34] = [
 ];
 
 /// Constants of kernels.
-pub(super) const FLOATS: [(&str, f32); 28] = [
+pub(super) const FLOATS: [(&str, f32); 31] = [
     ("PI", PI),
     ("TAU", TAU),
     ("HALF_PI", FRAC_PI_2),
@@ -89,6 +100,9 @@ pub(super) const FLOATS: [(&str, f32); 28] = [
     ("STEP", motion::STEP),
     ("PRESS", steps::PRESS),
     ("EASE", steps::EASE),
+    ("LEAST_INERTIA", rigid_motion::LEAST_INERTIA),
+    ("UNITS", elastic::UNITS),
+    ("UNLIMITED", guard::UNLIMITED),
 ];
 
 /// Returns the declarations of all constants, and of `more`.

@@ -148,7 +148,7 @@ fn colliders(
     substep_index = current.substep;
     let i = work.first_lane + lane;
     if (i < body.vertices) {
-        push_out(i, body.first_collider, body.colliders, body.friction);
+        push_out(work.body, i, body.first_collider, body.colliders, body.friction);
     }
 }
 

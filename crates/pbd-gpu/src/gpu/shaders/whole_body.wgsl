@@ -84,9 +84,9 @@ fn predict_body(body: Body, lane: u32) {
 }
 
 // Pushes all vertices out of colliders.
-fn push_all_out(body: Body, lane: u32) {
+fn push_all_out(body: Body, slot: u32, lane: u32) {
     for (var i = lane; i < body.vertices; i += WORKGROUP_SIZE) {
-        push_out(i, body.first_collider, body.colliders, body.friction);
+        push_out(slot, i, body.first_collider, body.colliders, body.friction);
     }
     workgroupBarrier();
 }
@@ -158,7 +158,7 @@ fn whole_body(
                         project_kind(body, CONTACTS, MAX_COLORS, 0u, lane);
                     }
                     if (body.colliders != 0u) {
-                        push_all_out(body, lane);
+                        push_all_out(body, work.body, lane);
                     }
                     project_volumes(body, work.body, round == 0u, lane);
                 }
@@ -166,7 +166,7 @@ fn whole_body(
                     project_kind(body, CONTACTS, MAX_COLORS, 0u, lane);
                 }
                 if (body.colliders != 0u) {
-                    push_all_out(body, lane);
+                    push_all_out(body, work.body, lane);
                 }
             }
         }

@@ -1,0 +1,209 @@
+// Kernels of the guard, as in `guard.rs`: one workgroup per body.
+//
+// A piece has GUARD_ENTRIES entries: first vertex in the list and number of vertices; the motion at
+// the start of the frame: origin, center, velocity, momentum and kinetic energy; that at its end:
+// origin, center, velocity, angular velocity, and the changes of both velocities.
+
+// Factors of the relative and the rigid motion of the body.
+var<workgroup> factors: vec2f;
+
+fn is_guarded(body: Body, flag: u32) -> bool {
+    return (body.flags & flag) != 0u;
+}
+
+fn load_number(at: u32, i: u32) -> f32 {
+    let pair = constraints[at + i / 2u];
+    return bitcast<f32>(select(pair.y, pair.x, (i & 1u) == 0u));
+}
+
+fn store_number(at: u32, i: u32, number: f32) {
+    let bits = bitcast<u32>(number);
+    if ((i & 1u) == 0u) {
+        constraints[at + i / 2u].x = bits;
+    } else {
+        constraints[at + i / 2u].y = bits;
+    }
+}
+
+// Returns the vector of a number among those from an entry on.
+fn load_vector(at: u32, number: u32) -> vec3f {
+    let i = 3u * number;
+    return vec3f(load_number(at, i), load_number(at, i + 1u), load_number(at, i + 2u));
+}
+
+fn store_vector(at: u32, number: u32, v: vec3f) {
+    store_number(at, 3u * number, v.x);
+    store_number(at, 3u * number + 1u, v.y);
+    store_number(at, 3u * number + 2u, v.z);
+}
+
+// Returns the entry of a vertex of the list of a body.
+fn first_listed(body: Body) -> u32 {
+    return body.first_guard + GUARD_ENTRIES * body.guard_pieces;
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn begin_guard(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let work = find_work(group_number(group, groups));
+    let body = bodies[work.body];
+    if (work.first_lane != 0u || !is_guarded(body, IS_GUARDED)) {
+        return;
+    }
+    first_vertex = body.first_vertex;
+    if (lane == 0u) {
+        atomicStore(&reports[work.body].met_collider, 0u);
+    }
+    for (var piece = 0u; piece < body.guard_pieces; piece++) {
+        let at = body.first_guard + GUARD_ENTRIES * piece;
+        let motion = measure_piece(constraints[at].x, constraints[at].y, lane);
+        if (lane == 0u) {
+            store_vector(at + 1u, 0u, motion.origin);
+            store_vector(at + 1u, 1u, motion.center);
+            store_vector(at + 1u, 2u, motion.velocity);
+            store_vector(at + 1u, 3u, motion.momentum);
+            store_number(at + 1u, 12u, motion.kinetic);
+        }
+    }
+}
+
+// Energies of the body in the frame; only those of the first lane have a meaning.
+var<private> energy_before: f32;
+var<private> energy_rigid: f32;
+var<private> energy_relative: f32;
+var<private> energy_height: f32;
+
+// Computes the change of a piece at an entry and adds its energies.
+fn end_piece(body: Body, at: u32, motion: RigidMotion, is_free: bool) {
+    let turn = turn_of(motion, motion.momentum);
+    var velocity = motion.velocity;
+    var momentum = motion.momentum;
+    var velocity_change = vec3f();
+    var turn_change = vec3f();
+    let own = rigid_energy(motion.mass, velocity, turn, momentum);
+    if (is_free && is_guarded(body, CONSERVES)) {
+        velocity = load_vector(at + 1u, 2u) + frame.gravity_step * f32(frame.substeps);
+        momentum = load_vector(at + 1u, 3u);
+        velocity_change = velocity - motion.velocity;
+        turn_change = turn_of(motion, momentum - motion.momentum);
+    }
+    let other = motion.kinetic - own;
+    let relative = select(0.0, other, other > 0.0);
+    let moved = (motion.origin - load_vector(at + 1u, 0u))
+        + (motion.center - load_vector(at + 1u, 1u));
+    energy_before += load_number(at + 1u, 12u);
+    energy_rigid += rigid_energy(motion.mass, velocity, turn + turn_change, momentum);
+    energy_relative += (body.kept * body.kept) * relative;
+    energy_height -= motion.mass * dot_product(frame.gravity_step, moved) / frame.h;
+    store_vector(at + 8u, 0u, motion.origin);
+    store_vector(at + 8u, 1u, motion.center);
+    store_vector(at + 8u, 2u, motion.velocity);
+    store_vector(at + 8u, 3u, turn);
+    store_vector(at + 8u, 4u, velocity_change);
+    store_vector(at + 8u, 5u, turn_change);
+}
+
+fn scale_of(excess: f32, energy: f32) -> f32 {
+    let left = 1.0 - excess / energy;
+    return sqrt(select(0.0, left, left > 0.0));
+}
+
+// Computes the factors of a body and its slack after the frame, without elastic energy.
+fn limit_energy(body: Body, slack: f32, is_held: bool) -> f32 {
+    let gain = ((energy_rigid + energy_relative) + energy_height) - energy_before;
+    let excess = gain - slack;
+    let is_over = excess > 0.0;
+    var of_relative = 1.0;
+    if (is_over && energy_relative > 0.0) {
+        of_relative = scale_of(excess, energy_relative);
+    }
+    let rest = excess - energy_relative;
+    var of_rigid = 1.0;
+    if (is_over && is_held && rest > 0.0 && energy_rigid > 0.0) {
+        of_rigid = scale_of(rest, energy_rigid);
+    }
+    factors = vec2f(body.kept * of_relative, of_rigid);
+    let change = (1.0 - of_rigid * of_rigid) * energy_rigid
+        + (1.0 - of_relative * of_relative) * energy_relative;
+    let left = slack + (change - gain);
+    return select(0.0, left, left > 0.0);
+}
+
+// Changes the velocities of the vertices of a piece.
+fn change_piece(at: u32, lane: u32) {
+    let origin = load_vector(at + 8u, 0u);
+    let center = load_vector(at + 8u, 1u);
+    let velocity = load_vector(at + 8u, 2u);
+    let turn = load_vector(at + 8u, 3u);
+    let velocity_change = load_vector(at + 8u, 4u);
+    let turn_change = load_vector(at + 8u, 5u);
+    let is_same = all(factors == vec2f(1.0));
+    if (is_same && all(velocity_change == vec3f()) && all(turn_change == vec3f())) {
+        return;
+    }
+    let end_velocity = velocity + velocity_change;
+    let end_turn = turn + turn_change;
+    let list = constraints[at];
+    for (var i = lane; i < list.y; i += WORKGROUP_SIZE) {
+        let v = listed_vertex(list.x, i);
+        let x = load_x(v);
+        if (x.w > 0.0) {
+            let arm = (x.xyz - origin) - center;
+            let own = motions[first_vertex + v].velocity.xyz;
+            let around = (own - velocity) - cross_product(turn, arm);
+            let carried = end_velocity + cross_product(end_turn, arm);
+            let restored = velocity_change + cross_product(turn_change, arm);
+            let scaled = (factors.x - 1.0) * around + (factors.y - 1.0) * carried;
+            motions[first_vertex + v].velocity = vec4f(own + (scaled + restored), 0.0);
+        }
+    }
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn end_guard(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let work = find_work(group_number(group, groups));
+    let body = bodies[work.body];
+    if (work.first_lane != 0u || !is_guarded(body, IS_GUARDED)) {
+        return;
+    }
+    first_vertex = body.first_vertex;
+    let is_held = is_guarded(body, IS_HELD) || atomicLoad(&reports[work.body].met_collider) != 0u;
+    for (var piece = 0u; piece < body.guard_pieces; piece++) {
+        let at = body.first_guard + GUARD_ENTRIES * piece;
+        let motion = measure_piece(constraints[at].x, constraints[at].y, lane);
+        if (lane == 0u) {
+            end_piece(body, at, motion, !is_held);
+        }
+    }
+    storageBarrier();
+    let before = bitcast<f32>(atomicLoad(&reports[work.body].slack));
+    let slack = select(before, UNLIMITED, is_guarded(body, IS_UNLIMITED));
+    var left = slack;
+    if (lane == 0u) {
+        left = limit_energy(body, slack, is_held);
+    }
+    workgroupBarrier();
+    for (var piece = 0u; piece < body.guard_pieces; piece++) {
+        change_piece(body.first_guard + GUARD_ENTRIES * piece, lane);
+    }
+    if (!is_guarded(body, CONSERVES)) {
+        return;
+    }
+    if (is_guarded(body, IS_DRIVEN)) {
+        left = UNLIMITED;
+    } else if (is_guarded(body, RENEWS)) {
+        let elastic = elastic_energy(body, lane);
+        let relaxed = select(left, elastic + (left - elastic) * body.relaxation, left > elastic);
+        left = select(relaxed, elastic, is_guarded(body, IS_UNLIMITED));
+    }
+    if (lane == 0u) {
+        atomicStore(&reports[work.body].slack, bitcast<u32>(left));
+    }
+}
