@@ -59,7 +59,10 @@ fn projection(advance: Advance<'_>) {
         let weight = first + second;
         for diagonal_scale in [1.0, 0.5] {
             let part = weight / (alpha + f64::from(diagonal_scale) * weight).max(weight);
-            let (left, moved) = (off * (1.0 - part), off * part * first / weight);
+            // An iteration projects twice. The multiplier is the sum of both steps over the weight.
+            let once = off * part;
+            let twice = once + part * ((off - once) - alpha * once / weight);
+            let (left, moved) = (off - twice, twice * first / weight);
             let found = projected(advance, held, 1, diagonal_scale);
             for (found, expected) in found.into_iter().zip([left, moved]) {
                 let apart = (found - expected).abs();
@@ -73,7 +76,7 @@ fn projection(advance: Advance<'_>) {
         for (one, two) in one.into_iter().zip(two) {
             assert!((one - two).abs() <= bound, "{one} became {two}");
         }
-        // With a smaller diagonal scale one iteration gives the limit of many.
+        // With a smaller diagonal scale many iterations have the same limit.
         let many = projected(advance, held, 60, 0.5);
         for (one, many) in one.into_iter().zip(many) {
             assert!((one - many).abs() <= bound, "{one}, and at last {many}");

@@ -289,6 +289,8 @@ gpu_struct! {
         /// First entry and number of the pieces of the guard.
         first_guard: u32,
         guard_pieces: u32,
+        /// Weight of a pin in rigid motions \[kg\].
+        pin_weight: f32,
         /// Factor of the velocities relative to rigid motions per frame, from damping.
         kept: f32,
         /// Factor of the slack beyond the elastic energy, if that is measured in the frame.

@@ -153,6 +153,7 @@ pub(super) fn body_record(
         planes: places.planes,
         first_guard: places.first_guard,
         guard_pieces: places.guard_pieces,
+        pin_weight: guard.map_or(0.0, |guard| guard.pin_weight),
         kept: guard.map_or(1.0, |guard| guard.kept),
         relaxation: relaxation.unwrap_or_default(),
     }

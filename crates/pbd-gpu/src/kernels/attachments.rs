@@ -3,6 +3,7 @@
 use super::block::difference;
 use super::particle_state::ParticleStates;
 use crate::constraints::attachments::LongRangeAttachment;
+use std::cell::Cell;
 
 /// Rate at which excess distance from before the substep is corrected [1/s].
 ///
@@ -12,13 +13,15 @@ pub(crate) const RETURN: f32 = 0.05;
 
 /// Projects vertices whose distance from their anchor exceeds the attachment's length.
 ///
-/// Vertices move straight toward the anchor, to that length. If the distance exceeded the length at
+/// `corrections`, the displacements by constraints, lose the pulls, which act on one side only;
+/// empty without a lift. Vertices move straight toward the anchor, to that length. If the distance exceeded the length at
 /// the start of a substep of `h` \[s\], it is instead limited to that distance, reduced at rate
 /// [`RETURN`]. Anchors do not move, and no
 /// two attachments share a vertex.
 #[inline(always)]
 pub(crate) fn attachments(
     particles: ParticleStates<'_>,
+    corrections: &[Cell<[f32; 4]>],
     attachments: &[LongRangeAttachment],
     h: f32,
 ) {
@@ -38,7 +41,12 @@ pub(crate) fn attachments(
             };
             let back = (length - reach) / length;
             if back > 0.0 {
-                particles.add_d(v, offset.map(|c| c * back));
+                let pull = offset.map(|c| c * back);
+                particles.add_d(v, pull);
+                if let Some(correction) = corrections.get(v) {
+                    let u = correction.get();
+                    correction.set([u[0] - pull[0], u[1] - pull[1], u[2] - pull[2], 0.0]);
+                }
             }
         }
     }
@@ -74,7 +82,7 @@ mod tests {
             anchor: VertexId(0),
             length: 2.5,
         });
-        on_arrays(&x, &mut d, |p| attachments(p, &all, 0.01));
+        on_arrays(&x, &mut d, |p| attachments(p, &[], &all, 0.01));
         // It was 5 m away, three parts along y and four along z.
         assert_eq!(d[1], [0.0, 0.0, 2.0, 0.0]);
         assert_eq!(d[2], [0.0, 0.25, 0.0, 0.0], "it is within reach");
@@ -91,9 +99,9 @@ mod tests {
             anchor: VertexId(0),
             length: 0.0,
         };
-        on_arrays(&x, &mut d, |p| attachments(p, &[attachment], 0.01));
+        on_arrays(&x, &mut d, |p| attachments(p, &[], &[attachment], 0.01));
         assert_eq!(d[1], [0.0; 4]);
-        on_arrays(&x, &mut d, |p| attachments(p, &[attachment], 0.01));
+        on_arrays(&x, &mut d, |p| attachments(p, &[], &[attachment], 0.01));
         assert_eq!(d[1], [0.0; 4], "there is no direction to pull in");
     }
 
@@ -107,7 +115,7 @@ mod tests {
         };
         let h = 1.0 / 64.0;
         let mut d = [[0.0; 4], [3.0, 0.0, 0.0, 0.0]];
-        on_arrays(&x, &mut d, |p| attachments(p, &[attachment], h));
+        on_arrays(&x, &mut d, |p| attachments(p, &[], &[attachment], h));
         let reach = 4.0 * (1.0 - RETURN * h);
         assert_eq!(
             d[1][0],
@@ -116,7 +124,7 @@ mod tests {
         );
         let nearer = [[0.0; 4], [-1.0, 0.0, 0.0, 0.0]];
         let mut d = nearer;
-        on_arrays(&x, &mut d, |p| attachments(p, &[attachment], h));
+        on_arrays(&x, &mut d, |p| attachments(p, &[], &[attachment], h));
         assert_eq!(d, nearer, "it is approaching already");
     }
 }

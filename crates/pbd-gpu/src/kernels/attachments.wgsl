@@ -15,7 +15,9 @@ fn pull_to_anchor(at: u32) {
         let reach = select(max_length, before, before > max_length);
         let back = (length - reach) / length;
         if (back > 0.0) {
-            store_d(ends.x, d + offset * back);
+            let pull = offset * back;
+            store_d(ends.x, d + pull);
+            correct(ends.x, -pull);
         }
     }
 }

@@ -2,7 +2,10 @@
 //!
 //! Vertices are summed in [`CHUNK`] columns, then in a tree. The fixed order makes the sums equal
 //! on any number of threads and on any GPU. Positions are relative to the first vertex of a piece,
-//! which keeps their precision far from the origin. Pinned vertices have no mass.
+//! which keeps their precision far from the origin.
+//!
+//! Pinned vertices have a large weight: a rigid motion is one that the pins allow, such as the swing
+//! of a pendulum.
 
 use super::volume::{CHUNK, tree};
 use incise_mesh::VertexId;
@@ -16,7 +19,7 @@ type Vector = [f32; 3];
 /// The rigid motion of a piece at one time.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct RigidMotion {
-    /// Mass \[kg\]; 0 for a piece of pinned vertices alone.
+    /// Mass and weights of pins \[kg\].
     pub(crate) mass: f32,
     /// Position of the first vertex \[m\].
     pub(crate) origin: Vector,
@@ -37,12 +40,14 @@ pub(crate) struct RigidMotion {
 type Sums = [f32; 17];
 
 impl RigidMotion {
-    /// Measures a piece; the fourth component of positions is the inverse mass.
+    /// Measures a piece; the fourth component of positions is the inverse mass, and a pin has
+    /// `pin_weight` \[kg\].
     #[inline(always)]
     pub(crate) fn of(
         positions: &[[f32; 4]],
         velocities: &[[f32; 4]],
         vertices: &[VertexId],
+        pin_weight: f32,
     ) -> Self {
         let Some(first) = vertices.first() else {
             return Self::default();
@@ -52,7 +57,7 @@ impl RigidMotion {
         for chunk in vertices.chunks(CHUNK) {
             for (i, v) in chunk.iter().enumerate() {
                 let ([x, y, z, w], [vx, vy, vz, _]) = (positions[v.index()], velocities[v.index()]);
-                let mass = if w > 0.0 { 1.0 / w } else { 0.0 };
+                let mass = if w > 0.0 { 1.0 / w } else { pin_weight };
                 let (x, y, z) = (x - ox, y - oy, z - oz);
                 let (mx, my, mz) = (mass * x, mass * y, mass * z);
                 let (px, py, pz) = (mass * vx, mass * vy, mass * vz);
@@ -191,7 +196,7 @@ mod tests {
             })
             .collect();
         let vertices: Vec<VertexId> = (0..300).map(VertexId).collect();
-        let found = RigidMotion::of(&positions, &velocities, &vertices);
+        let found = RigidMotion::of(&positions, &velocities, &vertices, 0.0);
         let free = positions.iter().filter(|x| x[3] > 0.0);
         let mass: f64 = free.clone().map(|x| 1.0 / f64::from(x[3])).sum();
         assert!((f64::from(found.mass) / mass - 1.0).abs() < 1e-6);
@@ -222,7 +227,7 @@ mod tests {
         let still = vec![[0.0; 4]; 5];
         let vertices: Vec<VertexId> = (0..5).map(VertexId).collect();
         for count in [1, 5] {
-            let found = RigidMotion::of(&rod, &still, &vertices[..count]);
+            let found = RigidMotion::of(&rod, &still, &vertices[..count], 0.0);
             let turn = found.turn([1e-3, 1.0, 2.0]);
             assert!(turn.iter().all(|c| c.is_finite()), "{turn:?}");
         }

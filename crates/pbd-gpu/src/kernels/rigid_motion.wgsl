@@ -19,9 +19,9 @@ fn listed_vertex(first: u32, i: u32) -> u32 {
 }
 
 // Returns four of the sums' terms of a vertex.
-fn rigid_terms(group: u32, v: u32, origin: vec3f) -> vec4f {
+fn rigid_terms(group: u32, v: u32, origin: vec3f, pin_weight: f32) -> vec4f {
     let x = load_x(v);
-    let mass = select(0.0, 1.0 / x.w, x.w > 0.0);
+    let mass = select(pin_weight, 1.0 / x.w, x.w > 0.0);
     let r = x.xyz - origin;
     let u = motions[first_vertex + v].velocity.xyz;
     let m = mass * r;
@@ -42,11 +42,11 @@ fn rigid_terms(group: u32, v: u32, origin: vec3f) -> vec4f {
 }
 
 // Sums the terms of a group over the vertices of a list into the first leaf.
-fn sum_rigid(group: u32, first: u32, count: u32, origin: vec3f, lane: u32) {
+fn sum_rigid(group: u32, list: vec2u, origin: vec3f, pin_weight: f32, lane: u32) {
     for (var i = lane; i < CHUNK; i += WORKGROUP_SIZE) {
         var leaf = vec4f();
-        for (var k = i; k < count; k += CHUNK) {
-            leaf += rigid_terms(group, listed_vertex(first, k), origin);
+        for (var k = i; k < list.y; k += CHUNK) {
+            leaf += rigid_terms(group, listed_vertex(list.x, k), origin, pin_weight);
         }
         store_leaf(i, leaf);
     }
@@ -60,11 +60,11 @@ fn sum_rigid(group: u32, first: u32, count: u32, origin: vec3f, lane: u32) {
 }
 
 // Measures the vertices of a list. Only the first lane has the result.
-fn measure_piece(first: u32, count: u32, lane: u32) -> RigidMotion {
-    let origin = load_x(listed_vertex(first, 0u)).xyz;
+fn measure_piece(list: vec2u, pin_weight: f32, lane: u32) -> RigidMotion {
+    let origin = load_x(listed_vertex(list.x, 0u)).xyz;
     var sums: array<vec4f, 5>;
     for (var group = 0u; group < 5u; group++) {
-        sum_rigid(group, first, count, origin, lane);
+        sum_rigid(group, list, origin, pin_weight, lane);
         sums[group] = load_leaf(0u);
         workgroupBarrier();
     }

@@ -147,7 +147,7 @@ impl BodyStep<'_, '_, '_> {
             Pass::Predict => predict::predict(particles, v, self.corrections, constants),
             Pass::Pins => pins::pins(particles, body.pins, self.substeps_left),
             Pass::LongRangeAttachments => {
-                attachments::attachments(particles, body.attachments, constants.h)
+                attachments::attachments(particles, self.corrections, body.attachments, constants.h)
             }
             Pass::ResetMultipliers => {
                 if constants.stretch.accumulates_lambda {

@@ -7,7 +7,8 @@
 //!   substep. The rest is restored.
 //! - The kinetic energy of a body and its energy of height may not grow beyond those at the start
 //!   of the frame and its slack: the work that its constraints have taken up and may give back.
-//!   What exceeds them is taken from the motion relative to the rigid one.
+//!   What exceeds them is taken from the motion relative to the rigid one. Pinned bodies have no
+//!   momentum to keep: the rest is taken from their rigid motion.
 //!
 //! The slack shrinks to the [elastic energy](elastic_energy) within [`RELAXATION`], since
 //! constraints dissipate the rest. It is unlimited while something does unknown work: moving pins
@@ -17,6 +18,7 @@ use crate::constraints::pieces::PieceVertices;
 use crate::kernels::elastic::{ElasticSets, elastic_energy};
 use crate::kernels::rigid_motion::{RigidMotion, cross};
 use crate::step::constants::StepConstants;
+use incise_mesh::VertexId;
 
 /// Time in which the slack approaches the elastic energy \[s\].
 const RELAXATION: f32 = 1.0;
@@ -25,6 +27,12 @@ const RELAXATION: f32 = 1.0;
 ///
 /// One takes about as long as three sweeps.
 const INTERVAL: f32 = 0.25;
+
+/// Weight of all pins of a body in its rigid motions, relative to its mass.
+///
+/// Its inverse is the share of a motion against the pins that counts as rigid. Much more would
+/// cost digits of the center of mass.
+pub(crate) const PIN_WEIGHT: f64 = 30.0;
 
 /// The energy budget of a body, which lasts from frame to frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,6 +86,8 @@ pub(crate) struct GuardInputs {
     pub(crate) kept: f32,
     /// Whether to restore momenta and to limit the energy.
     pub(crate) conserves: bool,
+    /// Weight of a pin in rigid motions \[kg\].
+    pub(crate) pin_weight: f32,
     /// Whether something does unknown work in the frame.
     pub(crate) is_driven: bool,
     /// Whether pins or contacts hold the body.
@@ -104,6 +114,7 @@ impl GuardInputs {
             constants: *constants,
             kept: (-damping * time).exp(),
             conserves,
+            pin_weight: 0.0,
             is_driven: false,
             is_held: false,
             is_unlimited: budget.is_unlimited(),
@@ -144,6 +155,13 @@ pub(crate) struct Guard {
     energies: Vec<Energies>,
 }
 
+/// The next of the measured bodies and pieces.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct GuardPlace {
+    body: usize,
+    piece: usize,
+}
+
 /// The rigid motion of a piece at the end of a frame, and its change.
 #[derive(Debug, Clone, Copy)]
 struct Change {
@@ -165,6 +183,8 @@ struct Energies {
     rigid: f32,
     /// Kinetic energy of other motions at the end, damping included.
     relative: f32,
+    /// The part of the rigid energy that may be taken: that of a pinned body.
+    pinned: f32,
     /// Change of the energy of height.
     height: f32,
 }
@@ -185,10 +205,10 @@ impl Guard {
     }
 
     /// Measures a body at the start of a frame; bodies follow each other.
-    pub(crate) fn begin(&mut self, body: &GuardedBody<'_>) {
+    pub(crate) fn begin(&mut self, body: &GuardedBody<'_>, inputs: &GuardInputs) {
         let pieces = body.pieces.iter();
-        let of = |vertices: &[_]| RigidMotion::of(body.positions, body.velocities, vertices);
-        self.start.extend(pieces.map(of));
+        self.start
+            .extend(pieces.map(|vertices| body.motion(vertices, inputs)));
     }
 
     /// Measures a body at the end of a frame; bodies follow each other as at its start.
@@ -202,7 +222,7 @@ impl Guard {
         let mut energies = Energies::default();
         let first = self.end.len();
         for (start, vertices) in self.start[first..].iter().zip(body.pieces.iter()) {
-            let motion = RigidMotion::of(body.positions, body.velocities, vertices);
+            let motion = body.motion(vertices, inputs);
             let turn = motion.turn(motion.momentum);
             let mut change = Change {
                 motion,
@@ -232,59 +252,47 @@ impl Guard {
             energies.height -= motion.mass * dot(constants.gravity_step, moved) / constants.h;
             self.end.push(change);
         }
+        if inputs.pin_weight > 0.0 {
+            energies.pinned = energies.rigid;
+        }
         self.energies.push(energies);
     }
 
-    /// Changes the velocities of an island's bodies, and their budgets.
+    /// Changes the velocities of bodies with a common budget of `slack` \[J\], and their budgets.
     ///
-    /// `is_held` tells that pins, contacts or colliders change rigid motions.
+    /// These are the next `count` of the measured ones.
     pub(crate) fn finish<'a>(
         &self,
         bodies: impl Iterator<Item = (GuardedBody<'a>, GuardInputs)>,
+        place: &mut GuardPlace,
+        count: usize,
         slack: f32,
-        is_held: bool,
     ) {
-        let sum = |of: fn(&Energies) -> f32| self.energies.iter().map(of).fold(0.0, |a, b| a + b);
-        let (rigid, relative) = (sum(|e| e.rigid), sum(|e| e.relative));
-        let excess = sum(Energies::gain) - slack;
-        let scale = |excess: f32, of: f32| {
-            let left = 1.0 - excess / of;
-            let left = if left > 0.0 { left } else { 0.0 };
-            left.sqrt()
-        };
-        let is_over = excess > 0.0;
-        let of_relative = if is_over && relative > 0.0 {
-            scale(excess, relative)
-        } else {
-            1.0
-        };
-        let rest = excess - relative;
-        let of_rigid = if is_over && is_held && rest > 0.0 && rigid > 0.0 {
-            scale(rest, rigid)
-        } else {
-            1.0
-        };
-        let left = |e: &Energies| {
-            let Energies {
-                rigid, relative, ..
-            } = *e;
-            let change =
-                (1.0 - of_rigid * of_rigid) * rigid + (1.0 - of_relative * of_relative) * relative;
-            change - e.gain()
-        };
-        let slack = slack + self.energies.iter().map(left).fold(0.0, |a, b| a + b);
+        let energies = &self.energies[place.body..place.body + count];
+        let sum = |of: fn(&Energies) -> f32| energies.iter().map(of).fold(0.0, |a, b| a + b);
+        let (relative, pinned) = (sum(|e| e.relative), sum(|e| e.pinned));
+        let gain = sum(Energies::gain);
+        let excess = gain - slack;
+        let scale = scale_to_lose(excess, relative);
+        let pinned_scale = scale_to_lose(excess - relative, pinned);
+        let lost = (1.0 - scale * scale) * relative + (1.0 - pinned_scale * pinned_scale) * pinned;
+        let slack = slack + (lost - gain);
         let slack = if slack > 0.0 { slack } else { 0.0 };
         let mass = sum(|e| e.mass);
-        let mut changes = self.end.iter();
-        for ((mut body, inputs), energies) in bodies.zip(&self.energies) {
-            let of_relative = inputs.kept * of_relative;
-            for (vertices, change) in body.pieces.iter().zip(changes.by_ref()) {
-                let is_same = of_relative == 1.0 && of_rigid == 1.0;
-                if !(is_same && change.is_none()) {
-                    let (positions, velocities) = (body.positions, &mut *body.velocities);
-                    change.apply(positions, velocities, vertices, [of_relative, of_rigid]);
+        for ((mut body, inputs), energies) in bodies.zip(energies) {
+            let rigid = if inputs.pin_weight > 0.0 {
+                pinned_scale
+            } else {
+                1.0
+            };
+            let factors = [inputs.kept * scale, rigid];
+            let changes = &self.end[place.piece..place.piece + body.pieces.len()];
+            for (vertices, change) in body.pieces.iter().zip(changes) {
+                if !(factors == [1.0; 2] && change.is_none()) {
+                    change.apply(body.positions, body.velocities, vertices, factors);
                 }
             }
+            place.piece += changes.len();
             let share = if mass > 0.0 {
                 energies.mass / mass
             } else {
@@ -294,12 +302,22 @@ impl Guard {
                 body.renew(&inputs, slack * share);
             }
         }
+        place.body += count;
     }
 
     /// Returns the allocated size in elements.
     pub(crate) fn capacity(&self) -> usize {
         self.start.capacity() + self.end.capacity() + self.energies.capacity()
     }
+}
+
+/// Returns the factor of velocities by which a kinetic energy loses `excess`, at most all of it.
+fn scale_to_lose(excess: f32, energy: f32) -> f32 {
+    if !(excess > 0.0 && energy > 0.0) {
+        return 1.0;
+    }
+    let kept = 1.0 - excess / energy;
+    (if kept > 0.0 { kept } else { 0.0 }).sqrt()
 }
 
 impl Change {
@@ -313,7 +331,7 @@ impl Change {
         &self,
         positions: &[[f32; 4]],
         velocities: &mut [[f32; 4]],
-        vertices: &[incise_mesh::VertexId],
+        vertices: &[VertexId],
         [relative, rigid]: [f32; 2],
     ) {
         let RigidMotion {
@@ -322,16 +340,14 @@ impl Change {
             velocity,
             ..
         } = self.motion;
-        let end_velocity = add(velocity, self.velocity_change);
-        let end_turn = add(self.turn, self.turn_change);
         for v in vertices {
             let [x, y, z, w] = positions[v.index()];
             if w > 0.0 {
                 let arm = subtract(subtract([x, y, z], origin), center);
                 let v = &mut velocities[v.index()];
                 let own = [v[0], v[1], v[2]];
-                let around = subtract(subtract(own, velocity), cross(self.turn, arm));
-                let carried = add(end_velocity, cross(end_turn, arm));
+                let carried = add(velocity, cross(self.turn, arm));
+                let around = subtract(own, carried);
                 let restored = add(self.velocity_change, cross(self.turn_change, arm));
                 for k in 0..3 {
                     let scaled = (relative - 1.0) * around[k] + (rigid - 1.0) * carried[k];
@@ -351,6 +367,12 @@ impl RigidMotion {
 }
 
 impl GuardedBody<'_> {
+    /// Measures a piece.
+    fn motion(&self, vertices: &[VertexId], inputs: &GuardInputs) -> RigidMotion {
+        let (positions, velocities) = (self.positions, &*self.velocities);
+        RigidMotion::of(positions, velocities, vertices, inputs.pin_weight)
+    }
+
     /// Updates the budget after a frame that left `slack` \[J\].
     fn renew(&mut self, inputs: &GuardInputs, slack: f32) {
         let (mut slack, mut age) = (slack, self.budget.age + inputs.time());

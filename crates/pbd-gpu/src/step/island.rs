@@ -12,7 +12,7 @@ use crate::solver::Solver;
 use crate::step::backend::{NonFinite, StepScratch, execute};
 use crate::step::body::Body;
 use crate::step::constants::StepConstants;
-use crate::step::guard::{Guard, GuardInputs};
+use crate::step::guard::{Guard, GuardInputs, GuardPlace};
 use crate::step::params::{Integrator, SolverParams, StepStats};
 use crate::step::prepare::{FrameInputs, both_orders};
 use crate::step::reach::{max_motion, reaches_colliders};
@@ -248,6 +248,7 @@ impl Island {
             integrator,
             ..
         } = self;
+        let has_contacts = !contacts.is_empty();
         begin_guard(guard, bodies, members);
         let done = match integrator {
             Integrator::Euler => {
@@ -263,7 +264,7 @@ impl Island {
             }
         };
         if done.is_ok() {
-            end_guard(guard, bodies, members);
+            end_guard(guard, bodies, members, has_contacts);
         }
         if *integrator == Integrator::Bdf2 {
             for (solver, surface) in bodies.iter_mut() {
@@ -388,28 +389,46 @@ fn run_second_order(
 fn begin_guard(guard: &mut Guard, bodies: &mut [IslandBody<'_>], members: &[Member]) {
     guard.clear();
     for ((solver, surface), member) in bodies.iter_mut().zip(members) {
-        if member.guard.is_some() {
-            guard.begin(&solver.guarded(surface));
+        if let Some(inputs) = &member.guard {
+            guard.begin(&solver.guarded(surface), inputs);
         }
     }
 }
 
 /// Applies damping, momenta and the energy budget of an island at the end of a frame.
-fn end_guard(guard: &mut Guard, bodies: &mut [IslandBody<'_>], members: &[Member]) {
-    let (mut slack, mut is_held) = (0.0, false);
+///
+/// Bodies in contact have a common budget, and others each their own.
+fn end_guard(
+    guard: &mut Guard,
+    bodies: &mut [IslandBody<'_>],
+    members: &[Member],
+    has_contacts: bool,
+) {
     for ((solver, surface), member) in bodies.iter_mut().zip(members) {
-        if let Some(inputs) = member.guard {
-            let body = solver.guarded(surface);
-            slack += body.budget.slack;
+        if let Some(inputs) = &member.guard {
             let is_free = !(inputs.is_held || member.met_collider);
-            is_held |= !is_free;
-            guard.end(&body, &inputs, is_free);
+            guard.end(&solver.guarded(surface), inputs, is_free);
         }
     }
-    let guarded = bodies.iter_mut().zip(members);
-    let guarded = guarded
-        .filter_map(|((solver, surface), member)| Some((solver.guarded(surface), member.guard?)));
-    guard.finish(guarded, slack, is_held);
+    let size = if has_contacts { bodies.len() } else { 1 };
+    let mut place = GuardPlace::default();
+    for (bodies, members) in bodies
+        .chunks_mut(size.max(1))
+        .zip(members.chunks(size.max(1)))
+    {
+        let (mut slack, mut count) = (0.0, 0);
+        for ((solver, surface), member) in bodies.iter_mut().zip(members) {
+            if member.guard.is_some() {
+                slack += solver.guarded(surface).budget.slack;
+                count += 1;
+            }
+        }
+        let guarded = bodies.iter_mut().zip(members);
+        let guarded = guarded.filter_map(|((solver, surface), member)| {
+            Some((solver.guarded(surface), member.guard?))
+        });
+        guard.finish(guarded, &mut place, count, slack);
+    }
 }
 
 #[cfg(test)]

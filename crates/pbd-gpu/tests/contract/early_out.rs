@@ -83,10 +83,10 @@ fn the_last_iterations_of_a_substep_are_skipped() {
         (surface, solver, stats)
     };
     let mut kept_before = 0;
-    for residual in [1e-2, 3e-3, 1e-3] {
+    for residual in [4e-3, 2e-3, 1e-3] {
         let (early, early_solver, stats) = after(60, Some(residual));
         let kept = 60 - stats.iterations_skipped;
-        assert!((2..60).contains(&kept), "{kept} iterations at {residual}");
+        assert!((3..60).contains(&kept), "{kept} iterations at {residual}");
         assert!(kept > kept_before, "a smaller residual takes more of them");
         kept_before = kept;
         let (same, same_solver, _) = after(kept, None);

@@ -1,6 +1,7 @@
 //! Invariants of motion that hold for any constraints.
 
-use incise_mesh::{Surface, VertexId};
+use incise_mesh::geometry::to_f32;
+use incise_mesh::{Surface, Vec3, VertexId};
 use incise_pbd_gpu::{
     Collider, ConstraintError, Density, Integrator, Material, Pass, Solver, SolverParams,
     StepError, Stiffness,
@@ -170,27 +171,74 @@ fn a_ground_out_of_reach_costs_nothing() {
     assert!(has_pass(&solver), "it falls by 3 m");
 }
 
+/// Free particles keep their rigid motion and lose the rest by `exp(-damping t)`.
 #[test]
 fn damping_equals_its_closed_form() {
-    let mut surface = sphere(1, [0.0; 3]);
+    let mut surface = sphere(2, [0.0; 3]);
     let material = Material {
-        damping: 2.0,
+        stretch: Stiffness::Pbd(0.0),
+        bending: None,
+        damping: 6000.0,
         ..Material::default()
     };
     let mut solver = Solver::new(&mut surface, &material).unwrap();
+    // A sphere has equal moments of inertia and its center at the origin.
+    let (velocity, turn) = (Vec3::new(1.0, -0.5, 0.2), Vec3::new(0.3, 2.0, -1.0));
+    let breathing = |p: Vec3| p * 0.4;
     for v in surface.topology().vertices() {
-        solver.set_velocity(v, [1.0, 0.0, 0.0]).unwrap();
+        let p = surface.position(v);
+        let of = velocity + turn.cross(&p) + breathing(p);
+        solver.set_velocity(v, to_f32(of)).unwrap();
     }
-    let params = SolverParams {
-        gravity: [0.0; 3],
-        ..SolverParams::paper()
+    let start = surface.clone();
+    // A short frame, in which particles hardly move.
+    solver
+        .step(&mut surface, 1e-4, &SolverParams::paper())
+        .unwrap();
+    let fall = Vec3::new(0.0, -9.81e-4, 0.0);
+    let kept = (-0.6_f64).exp();
+    for v in surface.topology().vertices() {
+        let p = start.position(v);
+        let rigid = velocity + fall + turn.cross(&p);
+        let expected = rigid + breathing(p) * kept;
+        let off = (Vec3::from(solver.velocity(v).map(f64::from)) - expected).norm();
+        assert!(off < 2e-3, "{off} m/s off");
+    }
+}
+
+/// A damped body falls as one without damping, and its spin stays.
+#[test]
+fn damping_slows_neither_fall_nor_spin() {
+    let mut surface = sphere(2, [0.0; 3]);
+    let mut solver = Solver::new(&mut surface, &Material::soft_body()).unwrap();
+    for v in surface.topology().vertices() {
+        let [x, _, z] = to_f32(surface.position(v));
+        solver.set_velocity(v, [2.0 * z, 0.0, -2.0 * x]).unwrap();
+    }
+    let about = |surface: &Surface, solver: &Solver| {
+        let center = (surface.topology().vertices())
+            .map(|v| surface.position(v) * f64::from(solver.masses()[v.index()]));
+        center.sum::<Vec3>() / solver.total_mass()
     };
-    for _ in 0..60 {
-        solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+    let spin = |surface: &Surface, solver: &Solver| {
+        Vec3::from(solver.angular_momentum(surface, about(surface, solver).into())).norm()
+    };
+    let before = spin(&surface, &solver);
+    for _ in 0..180 {
+        solver
+            .step(&mut surface, 1.0 / 60.0, &SolverParams::default())
+            .unwrap();
     }
-    let expected = (1.0_f64 + 2.0 / 60.0).powi(-60);
-    let speed = solver.momentum()[0] / solver.total_mass();
-    assert!((speed - expected).abs() < 1e-4, "{speed}, not {expected}");
+    let fallen = -about(&surface, &solver).y;
+    // Substeps begin with gravity, so that the fall is longer by half of one.
+    let (n, h) = (2160.0, 1.0 / 720.0);
+    let expected = 9.81 * h * h * n * (n + 1.0) / 2.0;
+    assert!(
+        (fallen / expected - 1.0).abs() < 1e-4,
+        "{fallen} m, not {expected} m"
+    );
+    let after = spin(&surface, &solver);
+    assert!((after / before - 1.0).abs() < 1e-3, "{after} of {before}");
 }
 
 #[test]

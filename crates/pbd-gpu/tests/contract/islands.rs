@@ -117,7 +117,7 @@ fn a_contact_between_bodies_conserves_momentum() {
     );
     assert!(
         (low + high - momentum).abs() < 1e-4 * momentum.abs(),
-        "{low} + {high}"
+        "{low} + {high}, not {momentum}"
     );
     let beyond = Contact {
         vertices: [

@@ -11,6 +11,7 @@ const WEIGHTLESS: SolverParams = SolverParams {
     iterations: 1,
     substep: None,
     lift: 0.0,
+    conserve: false,
     gravity: [0.0; 3],
     residual: None,
     diagonal_scale: 1.0,

@@ -59,7 +59,7 @@ fn begin_guard(
     }
     for (var piece = 0u; piece < body.guard_pieces; piece++) {
         let at = body.first_guard + GUARD_ENTRIES * piece;
-        let motion = measure_piece(constraints[at].x, constraints[at].y, lane);
+        let motion = measure_piece(constraints[at], body.pin_weight, lane);
         if (lane == 0u) {
             store_vector(at + 1u, 0u, motion.origin);
             store_vector(at + 1u, 1u, motion.center);
@@ -106,29 +106,24 @@ fn end_piece(body: Body, at: u32, motion: RigidMotion, is_free: bool) {
     store_vector(at + 8u, 5u, turn_change);
 }
 
-fn scale_of(excess: f32, energy: f32) -> f32 {
-    let left = 1.0 - excess / energy;
-    return sqrt(select(0.0, left, left > 0.0));
+fn scale_to_lose(excess: f32, energy: f32) -> f32 {
+    if (!(excess > 0.0 && energy > 0.0)) {
+        return 1.0;
+    }
+    let kept = 1.0 - excess / energy;
+    return sqrt(select(0.0, kept, kept > 0.0));
 }
 
 // Computes the factors of a body and its slack after the frame, without elastic energy.
-fn limit_energy(body: Body, slack: f32, is_held: bool) -> f32 {
+fn limit_energy(body: Body, slack: f32) -> f32 {
     let gain = ((energy_rigid + energy_relative) + energy_height) - energy_before;
     let excess = gain - slack;
-    let is_over = excess > 0.0;
-    var of_relative = 1.0;
-    if (is_over && energy_relative > 0.0) {
-        of_relative = scale_of(excess, energy_relative);
-    }
-    let rest = excess - energy_relative;
-    var of_rigid = 1.0;
-    if (is_over && is_held && rest > 0.0 && energy_rigid > 0.0) {
-        of_rigid = scale_of(rest, energy_rigid);
-    }
-    factors = vec2f(body.kept * of_relative, of_rigid);
-    let change = (1.0 - of_rigid * of_rigid) * energy_rigid
-        + (1.0 - of_relative * of_relative) * energy_relative;
-    let left = slack + (change - gain);
+    let pinned = select(0.0, energy_rigid, body.pin_weight > 0.0);
+    let scale = scale_to_lose(excess, energy_relative);
+    let rigid = scale_to_lose(excess - energy_relative, pinned);
+    factors = vec2f(body.kept * scale, rigid);
+    let lost = (1.0 - scale * scale) * energy_relative + (1.0 - rigid * rigid) * pinned;
+    let left = slack + (lost - gain);
     return select(0.0, left, left > 0.0);
 }
 
@@ -140,12 +135,9 @@ fn change_piece(at: u32, lane: u32) {
     let turn = load_vector(at + 8u, 3u);
     let velocity_change = load_vector(at + 8u, 4u);
     let turn_change = load_vector(at + 8u, 5u);
-    let is_same = all(factors == vec2f(1.0));
-    if (is_same && all(velocity_change == vec3f()) && all(turn_change == vec3f())) {
+    if (all(factors == vec2f(1.0)) && all(velocity_change == vec3f()) && all(turn_change == vec3f())) {
         return;
     }
-    let end_velocity = velocity + velocity_change;
-    let end_turn = turn + turn_change;
     let list = constraints[at];
     for (var i = lane; i < list.y; i += WORKGROUP_SIZE) {
         let v = listed_vertex(list.x, i);
@@ -153,11 +145,12 @@ fn change_piece(at: u32, lane: u32) {
         if (x.w > 0.0) {
             let arm = (x.xyz - origin) - center;
             let own = motions[first_vertex + v].velocity.xyz;
-            let around = (own - velocity) - cross_product(turn, arm);
-            let carried = end_velocity + cross_product(end_turn, arm);
+            let carried = velocity + cross_product(turn, arm);
+            let around = own - carried;
             let restored = velocity_change + cross_product(turn_change, arm);
             let scaled = (factors.x - 1.0) * around + (factors.y - 1.0) * carried;
-            motions[first_vertex + v].velocity = vec4f(own + (scaled + restored), 0.0);
+            let end = own + (scaled + restored);
+            motions[first_vertex + v].velocity = vec4f(end, 0.0);
         }
     }
 }
@@ -177,7 +170,7 @@ fn end_guard(
     let is_held = is_guarded(body, IS_HELD) || atomicLoad(&reports[work.body].met_collider) != 0u;
     for (var piece = 0u; piece < body.guard_pieces; piece++) {
         let at = body.first_guard + GUARD_ENTRIES * piece;
-        let motion = measure_piece(constraints[at].x, constraints[at].y, lane);
+        let motion = measure_piece(constraints[at], body.pin_weight, lane);
         if (lane == 0u) {
             end_piece(body, at, motion, !is_held);
         }
@@ -187,7 +180,7 @@ fn end_guard(
     let slack = select(before, UNLIMITED, is_guarded(body, IS_UNLIMITED));
     var left = slack;
     if (lane == 0u) {
-        left = limit_energy(body, slack, is_held);
+        left = limit_energy(body, slack);
     }
     workgroupBarrier();
     for (var piece = 0u; piece < body.guard_pieces; piece++) {
