@@ -1011,8 +1011,8 @@ incise_status incise_mesh_fill(incise_mesh *mesh,
                                incise_fill_report *out);
 
 /*
- Sets a parameter of a scene by name, from the next frame on: `"solver.substeps"`, or a short
- name such as `"substeps"`. `docs/parameters.md` lists them.
+ Sets a parameter of a scene by name, from the next frame on: `"solver.substep"`, or a short
+ name such as `"substep"`. `docs/parameters.md` lists them.
 
  `value` is a number, `true`, `false`, a name, numbers between commas, or `none` to switch an
  optional parameter off. Numbers have a point in every locale. An unknown name or a value out of

@@ -26,7 +26,7 @@ const UNDO_LIMIT: usize = 256;
 /// blades are numbers that `add_body` and `add_blade` return.
 ///
 /// Keywords are the parameters `SceneParams` of `docs/parameters.md` by their names, for example
-/// `Scene(substeps=8, contacts={"thickness": 0.2}, level="2x-finer")`, and
+/// `Scene(iterations=2, contacts={"thickness": 0.2}, level="2x-finer")`, and
 /// `undo_limit`, the number of cuts that `undo` can undo. Nested names have underscores,
 /// `contacts_thickness`. None is the default of a parameter, and no value of an optional one. The
 /// results do not depend on `threads`.

@@ -15,19 +15,30 @@ use incise_pbd_gpu::{Collider, Density, InteriorSprings, Material, Stiffness, Vo
 use incise_scene::{BodyId, Scene, SceneParams};
 use incise_test_support::random::Random;
 
-pub(super) const CASES: [Case; 1] = [Case {
-    id: "still",
-    stress: "40 meshes at rest, spinning, hanging and dropped, with 8 materials, 5 sizes, even, \
+pub(super) const CASES: [Case; 2] = [
+    Case {
+        id: "still",
+        stress: "40 meshes at rest, spinning, hanging and dropped, with 8 materials, 5 sizes, even, \
              alternating and random frames and a hitch",
-    invariants: &[
-        ("speed at rest in the last quarter [sizes/s]", 1e-3),
-        (
-            "gained energy, relative to the kinetic or to a fall by the size",
-            0.01,
-        ),
-    ],
-    run: |runner| runs(runner, 24),
-}];
+        invariants: &[
+            ("speed at rest in the last quarter [sizes/s]", 1e-3),
+            (
+                "gained energy, relative to the kinetic or to a fall by the size",
+                0.01,
+            ),
+        ],
+        run: |runner| runs(runner, 24),
+    },
+    Case {
+        id: "primitive",
+        stress: "cylinders and rods with every preset, at rest, dropped, and cut and dropped",
+        invariants: &[
+            ("rise above the start [sizes]", 1e-3),
+            ("time until they sleep [s]", 10.0),
+        ],
+        run: primitives,
+    },
+];
 
 const GRAVITY: f32 = 9.81;
 
@@ -392,4 +403,63 @@ impl Energy {
     fn total(&self) -> f64 {
         self.kinetic + self.potential
     }
+}
+
+/// Runs cylinders and rods until they sleep, at most for 12 s.
+fn primitives(runner: &Runner) -> Vec<Run> {
+    let meshes = [
+        (
+            "cylinder, fans from centers",
+            prism([32, 1], 0.5, 1.0, true),
+        ),
+        (
+            "cylinder, fans from corners",
+            prism([32, 1], 0.5, 1.0, false),
+        ),
+        ("rod of 48", prism([48, 1], 0.1, 2.0, false)),
+    ];
+    let mut all = Vec::new();
+    for (name, surface) in &meshes {
+        for preset in Material::PRESETS {
+            for way in ["rest", "drop", "cut"] {
+                all.push((format!("{name}, {preset}, {way}"), surface, preset, way));
+            }
+        }
+    }
+    runner.each(&all, |(name, surface, preset, way)| {
+        Run::new(name.clone(), primitive(runner, surface, preset, way))
+    })
+}
+
+/// Returns the largest rise of a vertex and the time until all sleep.
+fn primitive(runner: &Runner, surface: &Surface, preset: &str, way: &str) -> Found<Outcome> {
+    let material = Material::preset(preset).ok_or("a preset")?;
+    let mut scene = Scene::with_backend(SceneParams::default(), &runner.backend)?;
+    let bounds = surface.bounds();
+    if way == "rest" {
+        scene.params.solver.gravity = [0.0; 3];
+    } else {
+        scene.colliders.push(Collider::ground(bounds.min[1] - 0.1));
+    }
+    let body = scene.add_body(surface.clone(), &material)?;
+    if way == "cut" {
+        let sweep = Sweep::from_plane([1.0, 0.2, 0.3], 0.01, &bounds)?;
+        let params = CutParams::default();
+        let cut = |cutter: &mut Cutter, surface: &mut Surface| cutter.cut(surface, &sweep, &params);
+        let outcome = scene.cut_with(body, &sweep, cut)??;
+        assert!(!outcome.is_miss(), "the plane is within the mesh");
+    }
+    let highest = |scene: &Scene| -> Found<f64> {
+        let surface = scene.body(body)?.surface();
+        Ok(f64::from(surface.bounds().max[1]))
+    };
+    let (start, mut rise, mut frames) = (f64::from(bounds.max[1]), 0.0, 0);
+    while !scene.is_asleep(body)? && frames < 720 {
+        scene.step()?;
+        scene.read_back(body)?;
+        rise = larger(rise, highest(&scene)? - start);
+        frames += 1;
+    }
+    let time = f64::from(frames) * f64::from(FRAME);
+    Ok([rise / bounds.diagonal(), time].into())
 }

@@ -8,8 +8,8 @@ use incise::params::Value;
 use std::ffi::c_char;
 use std::mem::MaybeUninit;
 
-/// Sets a parameter of a scene by name, from the next frame on: `"solver.substeps"`, or a short
-/// name such as `"substeps"`. `docs/parameters.md` lists them.
+/// Sets a parameter of a scene by name, from the next frame on: `"solver.substep"`, or a short
+/// name such as `"substep"`. `docs/parameters.md` lists them.
 ///
 /// `value` is a number, `true`, `false`, a name, numbers between commas, or `none` to switch an
 /// optional parameter off. Numbers have a point in every locale. An unknown name or a value out of

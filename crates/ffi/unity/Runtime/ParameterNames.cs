@@ -7,16 +7,20 @@ namespace Incise
     {
         /// <summary>Duration of a frame.</summary>
         public const string Dt = "dt";
-        /// <summary>Projections of every constraint per substep, usually 1 to 20.</summary>
+        /// <summary>Symmetric iterations per substep, usually 1 to 10.</summary>
         public const string SolverIterations = "solver.iterations";
-        /// <summary>Minimum substeps per frame, usually 1 to 20. They stiffen a body more than the same number of iterations.</summary>
-        public const string SolverSubsteps = "solver.substeps";
+        /// <summary>Length of a substep; `None` is one substep per frame, as long as the frame.</summary>
+        public const string SolverSubstep = "solver.substep";
+        /// <summary>Share of the constraints' last displacement that the prediction of a substep repeats.</summary>
+        public const string SolverLift = "solver.lift";
         /// <summary>Gravitational acceleration.</summary>
         public const string SolverGravity = "solver.gravity";
         /// <summary>Displacement per iteration and axis below which a substep ends its iterations early.</summary>
         public const string SolverResidual = "solver.residual";
         /// <summary>Over-relaxation of the XPBD diagonal of compliant constraints, 1/2 to 1; 1 is XPBD.</summary>
         public const string SolverDiagonalScale = "solver.diagonal_scale";
+        /// <summary>Restores the momenta of pieces that touch nothing, and limits the energy of bodies.</summary>
+        public const string SolverConserve = "solver.conserve";
         /// <summary>Enables long range attachments of inextensible, pinned bodies.</summary>
         public const string SolverAttachments = "solver.attachments";
         /// <summary>Solution of the constraints of a substep. `global` needs the feature of this name, which the program and the packages for other languages do not have.</summary>

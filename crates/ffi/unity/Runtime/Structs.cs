@@ -110,7 +110,9 @@ namespace Incise
     {
         public float Dt;
         public float GravityX, GravityY, GravityZ;
-        public uint Substeps, Iterations, Threads;
+        /// <summary>Length of a substep in seconds; 0 for one per frame.</summary>
+        public float Substep;
+        public uint Iterations, Threads;
         /// <summary>1 for contacts between bodies, pieces and blades.</summary>
         public uint Contacts;
         public float ContactThickness;

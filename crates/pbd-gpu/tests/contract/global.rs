@@ -384,11 +384,11 @@ fn max_relative_speed(surface: &Surface, solver: &Solver) -> f64 {
         .map(|&v| velocity_of(v) * mass(v))
         .sum::<Vec3>()
         / total;
-    let (mut momentum, mut inertia) = (Vec3::zeros(), nalgebra::Matrix3::zeros());
+    let (mut momentum, mut inertia) = (Vec3::zeros(), Matrix3::zeros());
     for &v in &vertices {
         let arm = surface.position(v) - center;
         momentum += arm.cross(&velocity_of(v)) * mass(v);
-        let squares = nalgebra::Matrix3::identity() * arm.norm_squared();
+        let squares = Matrix3::identity() * arm.norm_squared();
         inertia += (squares - arm * arm.transpose()) * mass(v);
     }
     let turn = inertia.try_inverse().unwrap() * momentum;

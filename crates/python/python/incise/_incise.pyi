@@ -40,10 +40,12 @@ class CutOptions(TypedDict, total=False):
 class SceneOptions(TypedDict, total=False):
     dt: Optional[float]
     iterations: Optional[int]
-    substeps: Optional[int]
+    substep: Optional[float]
+    lift: Optional[float]
     gravity: Optional[npt.ArrayLike]
     residual: Optional[float]
     diagonal_scale: Optional[float]
+    conserve: Optional[bool]
     attachments: Optional[bool]
     scheme: Optional[str]
     integrator: Optional[str]

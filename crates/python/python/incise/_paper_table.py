@@ -111,8 +111,10 @@ class _Run:
 
     def __init__(self, mesh: Mesh, level: str) -> None:
         self.scene = Scene(
-            iterations=10,
-            substeps=1,
+            iterations=5,
+            substep=None,
+            lift=0.0,
+            conserve=False,
             diagonal_scale=1.0,
             attachments=False,
             gravity=(0.0, 0.0, 0.0),

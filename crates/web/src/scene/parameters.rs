@@ -10,10 +10,10 @@ use wasm_bindgen::prelude::wasm_bindgen;
 
 #[wasm_bindgen]
 impl Scene {
-    /// Sets parameters by name, such as `{ substeps: 8, contacts: { thickness: 0.2 } }`.
+    /// Sets parameters by name, such as `{ iterations: 2, contacts: { thickness: 0.2 } }`.
     ///
-    /// `docs/parameters.md` lists them. A name may leave out leading parts: `"solver.substeps"` is
-    /// `substeps`. Optional parameters are off with `null`, those with parameters of their own also
+    /// `docs/parameters.md` lists them. A name may leave out leading parts: `"solver.substep"` is
+    /// `substep`. Optional parameters are off with `null`, those with parameters of their own also
     /// with `false`, and on with `true`. A scene has one thread.
     ///
     /// # Errors
