@@ -27,7 +27,7 @@ use crate::step::StepState;
 use crate::step::constants::StepConstants;
 #[cfg(feature = "gpu")]
 use crate::step::guard::EnergyBudget;
-use crate::step::guard::{GuardInputs, GuardedBody, PIN_WEIGHT};
+use crate::step::guard::{GuardInputs, GuardedBody};
 use crate::step::island::{Island, IslandError};
 use crate::step::params::{SolverParams, StepStats};
 use crate::step::plan::StepPlan;
@@ -182,10 +182,6 @@ impl Solver {
     }
 
     /// Prepares the guard of a frame; `None` without one. `has_contacts` counts those of an island.
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "a sum is rounded once to storage"
-    )]
     pub(crate) fn prepare_guard(
         &mut self,
         constants: &StepConstants,
@@ -194,23 +190,15 @@ impl Solver {
     ) -> Option<GuardInputs> {
         let (damping, budget) = (self.material.damping, &self.step.budget);
         let inputs = GuardInputs::new(budget, constants, damping, params.conserve)?;
-        let is_held = has_contacts
-            || !self.particles.pins.is_empty()
-            || !self.constraints.contacts.is_empty();
+        let has_contacts = has_contacts || !self.constraints.contacts.is_empty();
         let moves = |collider: &ColliderRecord| collider.velocity != [0.0; 3];
         let is_driven = std::mem::take(&mut self.particles.has_moving_pins)
             || self.constraints.colliders.records().iter().any(moves)
             || (self.material.volume)
                 .is_some_and(|volume| volume.compressibility > 0.0 || volume.pressure != 1.0);
-        let pins = self.particles.pins.len();
-        let pin_weight = if pins > 0 {
-            (PIN_WEIGHT * self.total_mass() / pins as f64) as f32
-        } else {
-            0.0
-        };
         Some(GuardInputs {
-            pin_weight,
-            is_held,
+            has_pins: !self.particles.pins.is_empty(),
+            has_contacts,
             is_driven,
             ..inputs
         })

@@ -12,6 +12,12 @@ pub enum ReferenceError {
         /// The stiffness.
         k: f32,
     },
+    /// Damping of a material, which acts once a frame and not in a substep.
+    #[error("a damping of {damping}/s acts between substeps; take 0, and damp the model instead")]
+    Damping {
+        /// The damping [1/s].
+        damping: f32,
+    },
     /// Friction, which has no energy.
     #[error("friction of {coefficient} belongs to no energy; take 0 for a body that meets a plane")]
     Friction {

@@ -80,7 +80,7 @@ impl Model {
     ///
     /// # Errors
     /// [`ReferenceError::NoEnergy`] for a stiffness other than a compliance or 1,
-    /// [`ReferenceError::Friction`] for a plane with friction, [`ReferenceError::Collider`] for
+    /// [`ReferenceError::Damping`], [`ReferenceError::Friction`] for a plane with friction, [`ReferenceError::Collider`] for
     /// other colliders.
     pub fn of(
         solver: &Solver,
@@ -88,6 +88,10 @@ impl Model {
         params: &SolverParams,
     ) -> Result<Self, ReferenceError> {
         let material = solver.material();
+        if material.damping > 0.0 {
+            let damping = material.damping;
+            return Err(ReferenceError::Damping { damping });
+        }
         let plane = Plane::of(solver)?;
         if plane.is_some() && material.friction > 0.0 {
             let coefficient = material.friction;
@@ -112,7 +116,7 @@ impl Model {
             bending,
             volumes: volumes(solver, surface)?,
             gravity: params.gravity.map(f64::from).into(),
-            damping: material.damping.into(),
+            damping: 0.0,
             plane,
         })
     }

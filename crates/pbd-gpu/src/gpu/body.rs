@@ -286,7 +286,7 @@ impl DeviceBody {
                 moved |= blocks.update(context, entries, uploads, patching, contents)?;
             }
         }
-        (self.guard).update(context, entries, uploads, &solver.constraints().pieces)?;
+        (self.guard).make_room(context, entries, &solver.constraints().pieces)?;
         let mut counts = self.volumes.update(context, entries, uploads, host)?;
         if moved {
             self.send_tables(context, arenas, uploads);
@@ -308,6 +308,18 @@ impl DeviceBody {
             let overflow = runs.overflow_run();
             uploads.send(context, buffer, start - run, bytemuck::bytes_of(&overflow));
         }
+    }
+
+    /// Uploads the pieces of the guard if they have changed.
+    pub(super) fn update_guard(
+        &mut self,
+        context: &Context,
+        arenas: &Arenas,
+        uploads: &mut Uploads,
+        solver: &Solver,
+    ) {
+        let pieces = &solver.constraints().pieces;
+        (self.guard).update(context, &arenas.entries, uploads, pieces);
     }
 
     /// Queues motions that were set on the CPU side.

@@ -87,8 +87,8 @@ pub(crate) const CONSERVES: u32 = 64;
 /// Flag of a body on which something does unknown work.
 pub(crate) const IS_DRIVEN: u32 = 128;
 
-/// Flag of a body that pins or contacts hold.
-pub(crate) const IS_HELD: u32 = 256;
+/// Flag of a body with contacts.
+pub(crate) const HAS_CONTACTS: u32 = 256;
 
 /// Flag of a body whose energy budget is unlimited at the start of the frame.
 pub(crate) const IS_UNLIMITED: u32 = 512;
@@ -289,8 +289,6 @@ gpu_struct! {
         /// First entry and number of the pieces of the guard.
         first_guard: u32,
         guard_pieces: u32,
-        /// Weight of a pin in rigid motions \[kg\].
-        pin_weight: f32,
         /// Factor of the velocities relative to rigid motions per frame, from damping.
         kept: f32,
         /// Factor of the slack beyond the elastic energy, if that is measured in the frame.
@@ -352,7 +350,6 @@ gpu_struct! {
         met_collider: (atomic u32),
         /// Slack of the energy budget \[J\], as plain bits.
         slack: (atomic u32),
-        pad: u32,
     }
 }
 
@@ -368,7 +365,6 @@ impl Report {
             max_displacement: 0,
             met_collider: 0,
             slack: slack.to_bits(),
-            pad: 0,
         }
     }
 

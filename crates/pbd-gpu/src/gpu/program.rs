@@ -137,8 +137,7 @@ impl Program {
     /// Returns the kernels of every frame.
     pub(super) fn kernels(&self) -> impl Iterator<Item = Kernel> {
         let lists = [&self.prologue, &self.iteration, &self.epilogue];
-        let guard = self.guard.iter().flatten();
-        let dispatches = lists.into_iter().flatten().chain(&self.whole).chain(guard);
+        let dispatches = lists.into_iter().flatten().chain(&self.whole);
         dispatches.map(|d| d.kernel)
     }
 
@@ -224,20 +223,14 @@ impl Compiler<'_> {
             let is_same = a.kind_and_layer() == b.kind_and_layer() && a.is_back() == b.is_back();
             a.kind_and_layer().is_some() && is_same
         };
-        let mut layer = 0;
+        // Both kinds of a layer share one dispatch over its patches.
+        let mut layer = None;
         for run in passes.chunk_by(together) {
             match run[0] {
-                Pass::Project { kind, batch } => {
-                    // Interior springs have one layer and come last.
-                    if batch.layer() > layer {
-                        layer = batch.layer();
-                        out.extend(self.patches(Kernel::Patches, layer, false));
-                    }
-                    self.batches(kind, run, &mut out);
-                }
-                Pass::ProjectBack { kind, batch } => {
-                    if batch.layer() > 0 {
-                        out.extend(self.patches(Kernel::Patches, batch.layer(), true));
+                Pass::Project { kind, batch } | Pass::ProjectBack { kind, batch } => {
+                    let way = (batch.layer(), run[0].is_back());
+                    if layer.replace(way) != Some(way) && way.0 > 0 {
+                        out.extend(self.patches(Kernel::Patches, way.0, way.1));
                     }
                     self.batches(kind, run, &mut out);
                 }

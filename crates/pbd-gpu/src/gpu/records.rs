@@ -1,7 +1,7 @@
 //! Converts constraints, pins and parameters of bodies and frames to their GPU records.
 
 use super::layout::{
-    BodyRecord, CONSERVES, Entry, FrameUniform, IS_DRIVEN, IS_GUARDED, IS_HELD, IS_PRESSED,
+    BodyRecord, CONSERVES, Entry, FrameUniform, HAS_CONTACTS, IS_DRIVEN, IS_GUARDED, IS_PRESSED,
     IS_UNLIMITED, KEEPS_BENDING, KEEPS_INTERIOR_SPRINGS, KEEPS_STRETCH, KEEPS_VOLUME, Motion,
     PATCH_LAYERS, RENEWS, UNUSED,
 };
@@ -125,7 +125,7 @@ pub(super) fn body_record(
             | flag(guard.is_some(), IS_GUARDED)
             | flag(has(|guard| guard.conserves), CONSERVES)
             | flag(has(|guard| guard.is_driven), IS_DRIVEN)
-            | flag(has(|guard| guard.is_held), IS_HELD)
+            | flag(has(|guard| guard.has_contacts), HAS_CONTACTS)
             | flag(has(|guard| guard.is_unlimited), IS_UNLIMITED)
             | flag(relaxation.is_some(), RENEWS),
         first_run: places.first_run,
@@ -153,7 +153,6 @@ pub(super) fn body_record(
         planes: places.planes,
         first_guard: places.first_guard,
         guard_pieces: places.guard_pieces,
-        pin_weight: guard.map_or(0.0, |guard| guard.pin_weight),
         kept: guard.map_or(1.0, |guard| guard.kept),
         relaxation: relaxation.unwrap_or_default(),
     }

@@ -137,6 +137,9 @@ impl GpuBackend {
         if wants_bounds {
             self.make_bounds()?;
         }
+        if has_guard {
+            self.make_guard()?;
+        }
         self.frame += 1;
         self.note_frame();
         stats.dispatches += self.program.dispatches(substeps, wants_bounds);
@@ -225,6 +228,9 @@ impl GpuBackend {
         self.program_is_stale |= resident
             .body
             .update_colliders(context, arenas, uploads, solver)?;
+        if guard.is_some() {
+            (resident.body).update_guard(context, arenas, uploads, solver);
+        }
         resident
             .body
             .update_record(context, arenas, uploads, constants, guard);
@@ -269,6 +275,14 @@ impl GpuBackend {
     fn make_bounds(&mut self) -> Result<(), GpuError> {
         for kernel in self.program.kernels_of_bounds() {
             self.pipelines.make(&self.context, kernel)?;
+        }
+        Ok(())
+    }
+
+    /// Creates the pipelines of the guard.
+    fn make_guard(&mut self) -> Result<(), GpuError> {
+        for dispatch in self.program.guard.iter().flatten() {
+            self.pipelines.make(&self.context, dispatch.kernel)?;
         }
         Ok(())
     }

@@ -4,14 +4,20 @@
 //! on any number of threads and on any GPU. Positions are relative to the first vertex of a piece,
 //! which keeps their precision far from the origin.
 //!
-//! Pinned vertices have a large weight: a rigid motion is one that the pins allow, such as the swing
-//! of a pendulum.
+//! All pins of a piece together weigh [`PIN_WEIGHT`] times its other vertices: a rigid motion is one
+//! that the pins allow, such as the swing of a pendulum.
 
 use super::volume::{CHUNK, tree};
 use incise_mesh::VertexId;
 
 /// Added to every moment of inertia, relative to their sum: a straight rod has none about its axis.
 pub(crate) const LEAST_INERTIA: f32 = 1e-6;
+
+/// Weight of all pins of a piece, relative to its mass.
+///
+/// Its inverse is the share of a motion against the pins that counts as rigid. Much more would cost
+/// digits of the center of mass.
+pub(crate) const PIN_WEIGHT: f32 = 30.0;
 
 /// A vector of three components.
 type Vector = [f32; 3];
@@ -29,6 +35,8 @@ pub(crate) struct RigidMotion {
     pub(crate) velocity: Vector,
     /// Angular momentum about the center [kg m^2/s].
     pub(crate) momentum: Vector,
+    /// Number of its pins.
+    pub(crate) pins: f32,
     /// Kinetic energy of all vertices \[J\].
     pub(crate) kinetic: f32,
     /// Moments of inertia xx, yy and zz, products xy, yz and zx with their signs [kg m^2].
@@ -40,53 +48,52 @@ pub(crate) struct RigidMotion {
 type Sums = [f32; 17];
 
 impl RigidMotion {
-    /// Measures a piece; the fourth component of positions is the inverse mass, and a pin has
-    /// `pin_weight` \[kg\].
+    /// Measures a piece of a body with or without pins.
+    ///
+    /// The fourth component of positions is the inverse mass, 0 for a pin.
     #[inline(always)]
     pub(crate) fn of(
         positions: &[[f32; 4]],
         velocities: &[[f32; 4]],
         vertices: &[VertexId],
-        pin_weight: f32,
+        has_pins: bool,
     ) -> Self {
         let Some(first) = vertices.first() else {
             return Self::default();
         };
         let [ox, oy, oz, _] = positions[first.index()];
-        let mut columns = [[0.0; CHUNK]; 17];
-        for chunk in vertices.chunks(CHUNK) {
-            for (i, v) in chunk.iter().enumerate() {
-                let ([x, y, z, w], [vx, vy, vz, _]) = (positions[v.index()], velocities[v.index()]);
-                let mass = if w > 0.0 { 1.0 / w } else { pin_weight };
-                let (x, y, z) = (x - ox, y - oy, z - oz);
-                let (mx, my, mz) = (mass * x, mass * y, mass * z);
-                let (px, py, pz) = (mass * vx, mass * vy, mass * vz);
-                let terms: Sums = [
-                    mass,
-                    mx,
-                    my,
-                    mz,
-                    px,
-                    py,
-                    pz,
-                    px * vx + py * vy + pz * vz,
-                    my * vz - mz * vy,
-                    mz * vx - mx * vz,
-                    mx * vy - my * vx,
-                    mx * x,
-                    my * y,
-                    mz * z,
-                    mx * y,
-                    my * z,
-                    mz * x,
-                ];
-                for (column, term) in columns.iter_mut().zip(terms) {
-                    column[i] += term;
+        let origin = [ox, oy, oz];
+        let of = |weight: fn(f32) -> f32| {
+            let terms = |v: &VertexId| {
+                let v = v.index();
+                terms(positions[v], velocities[v], origin, weight(positions[v][3]))
+            };
+            let mut columns = [[0.0; CHUNK]; 17];
+            for chunk in vertices.chunks(CHUNK) {
+                for (i, terms) in chunk.iter().map(terms).enumerate() {
+                    for (column, term) in columns.iter_mut().zip(terms) {
+                        column[i] += term;
+                    }
+                }
+            }
+            tree(&mut columns, vertices.len().min(CHUNK), |a, b| a + b)
+        };
+        let mut sums = of(|w| if w > 0.0 { 1.0 / w } else { 0.0 });
+        let mut pins = 0.0;
+        if has_pins {
+            let of_pins = of(|w| if w > 0.0 { 0.0 } else { 1.0 });
+            pins = of_pins[0];
+            if pins > 0.0 {
+                let weight = PIN_WEIGHT * sums[0] / pins;
+                for (sum, of_pins) in sums.iter_mut().zip(of_pins) {
+                    *sum += weight * of_pins;
                 }
             }
         }
-        let sums = tree(&mut columns, vertices.len().min(CHUNK), |a, b| a + b);
-        Self::from_sums([ox, oy, oz], sums)
+        Self {
+            pins,
+            ..Self::from_sums(origin, sums)
+        }
     }
 
     #[inline(always)]
@@ -126,6 +133,7 @@ impl RigidMotion {
             center: [cx, cy, cz],
             velocity,
             momentum: [hx - carried[0], hy - carried[1], hz - carried[2]],
+            pins: 0.0,
             kinetic: 0.5 * square,
             inertia: [
                 yy + zz,
@@ -162,6 +170,34 @@ impl RigidMotion {
     }
 }
 
+/// Returns the terms of a vertex in the sums, for its weight \[kg\].
+#[inline(always)]
+fn terms(x: [f32; 4], v: [f32; 4], origin: Vector, mass: f32) -> Sums {
+    let [x, y, z] = [0, 1, 2].map(|k: usize| x[k] - origin[k]);
+    let (mx, my, mz) = (mass * x, mass * y, mass * z);
+    let [vx, vy, vz, _] = v;
+    let (px, py, pz) = (mass * vx, mass * vy, mass * vz);
+    [
+        mass,
+        mx,
+        my,
+        mz,
+        px,
+        py,
+        pz,
+        px * vx + py * vy + pz * vz,
+        my * vz - mz * vy,
+        mz * vx - mx * vz,
+        mx * vy - my * vx,
+        mx * x,
+        my * y,
+        mz * z,
+        mx * y,
+        my * z,
+        mz * x,
+    ]
+}
+
 /// Returns the cross product.
 #[inline(always)]
 pub(crate) fn cross(a: Vector, b: Vector) -> Vector {
@@ -196,7 +232,7 @@ mod tests {
             })
             .collect();
         let vertices: Vec<VertexId> = (0..300).map(VertexId).collect();
-        let found = RigidMotion::of(&positions, &velocities, &vertices, 0.0);
+        let found = RigidMotion::of(&positions, &velocities, &vertices, false);
         let free = positions.iter().filter(|x| x[3] > 0.0);
         let mass: f64 = free.clone().map(|x| 1.0 / f64::from(x[3])).sum();
         assert!((f64::from(found.mass) / mass - 1.0).abs() < 1e-6);
@@ -227,7 +263,7 @@ mod tests {
         let still = vec![[0.0; 4]; 5];
         let vertices: Vec<VertexId> = (0..5).map(VertexId).collect();
         for count in [1, 5] {
-            let found = RigidMotion::of(&rod, &still, &vertices[..count], 0.0);
+            let found = RigidMotion::of(&rod, &still, &vertices[..count], false);
             let turn = found.turn([1e-3, 1.0, 2.0]);
             assert!(turn.iter().all(|c| c.is_finite()), "{turn:?}");
         }

@@ -6,6 +6,7 @@ struct RigidMotion {
     center: vec3f,
     velocity: vec3f,
     momentum: vec3f,
+    pins: f32,
     kinetic: f32,
     // xx, yy and zz, then xy, yz and zx.
     moments: vec3f,
@@ -19,9 +20,10 @@ fn listed_vertex(first: u32, i: u32) -> u32 {
 }
 
 // Returns four of the sums' terms of a vertex.
-fn rigid_terms(group: u32, v: u32, origin: vec3f, pin_weight: f32) -> vec4f {
+fn rigid_terms(group: u32, v: u32, origin: vec3f, of_pins: bool) -> vec4f {
     let x = load_x(v);
-    let mass = select(pin_weight, 1.0 / x.w, x.w > 0.0);
+    let free = select(0.0, 1.0 / x.w, x.w > 0.0);
+    let mass = select(free, select(1.0, 0.0, x.w > 0.0), of_pins);
     let r = x.xyz - origin;
     let u = motions[first_vertex + v].velocity.xyz;
     let m = mass * r;
@@ -42,11 +44,11 @@ fn rigid_terms(group: u32, v: u32, origin: vec3f, pin_weight: f32) -> vec4f {
 }
 
 // Sums the terms of a group over the vertices of a list into the first leaf.
-fn sum_rigid(group: u32, list: vec2u, origin: vec3f, pin_weight: f32, lane: u32) {
+fn sum_rigid(group: u32, list: vec2u, origin: vec3f, of_pins: bool, lane: u32) {
     for (var i = lane; i < CHUNK; i += WORKGROUP_SIZE) {
         var leaf = vec4f();
         for (var k = i; k < list.y; k += CHUNK) {
-            leaf += rigid_terms(group, listed_vertex(list.x, k), origin, pin_weight);
+            leaf += rigid_terms(group, listed_vertex(list.x, k), origin, of_pins);
         }
         store_leaf(i, leaf);
     }
@@ -60,16 +62,33 @@ fn sum_rigid(group: u32, list: vec2u, origin: vec3f, pin_weight: f32, lane: u32)
 }
 
 // Measures the vertices of a list. Only the first lane has the result.
-fn measure_piece(list: vec2u, pin_weight: f32, lane: u32) -> RigidMotion {
+fn measure_piece(list: vec2u, has_pins: bool, lane: u32) -> RigidMotion {
     let origin = load_x(listed_vertex(list.x, 0u)).xyz;
     var sums: array<vec4f, 5>;
     for (var group = 0u; group < 5u; group++) {
-        sum_rigid(group, list, origin, pin_weight, lane);
+        sum_rigid(group, list, origin, false, lane);
         sums[group] = load_leaf(0u);
         workgroupBarrier();
     }
+    var pins = 0.0;
+    if (has_pins) {
+        var weight = 0.0;
+        for (var group = 0u; group < 5u; group++) {
+            sum_rigid(group, list, origin, true, lane);
+            let of_pins = load_leaf(0u);
+            workgroupBarrier();
+            if (group == 0u) {
+                pins = of_pins.x;
+                weight = select(0.0, PIN_WEIGHT * sums[0].x / pins, pins > 0.0);
+            }
+            if (pins > 0.0) {
+                sums[group] += weight * of_pins;
+            }
+        }
+    }
     var motion = RigidMotion();
     motion.origin = origin;
+    motion.pins = pins;
     let mass = sums[0].x;
     if (mass == 0.0) {
         return motion;

@@ -7,7 +7,7 @@
 //!   substep. The rest is restored.
 //! - The kinetic energy of a body and its energy of height may not grow beyond those at the start
 //!   of the frame and its slack: the work that its constraints have taken up and may give back.
-//!   What exceeds them is taken from the motion relative to the rigid one. Pinned bodies have no
+//!   What exceeds them is taken from the motion relative to the rigid one. Pinned pieces have no
 //!   momentum to keep: the rest is taken from their rigid motion.
 //!
 //! The slack shrinks to the [elastic energy](elastic_energy) within [`RELAXATION`], since
@@ -27,12 +27,6 @@ const RELAXATION: f32 = 1.0;
 ///
 /// One takes about as long as three sweeps.
 const INTERVAL: f32 = 0.25;
-
-/// Weight of all pins of a body in its rigid motions, relative to its mass.
-///
-/// Its inverse is the share of a motion against the pins that counts as rigid. Much more would
-/// cost digits of the center of mass.
-pub(crate) const PIN_WEIGHT: f64 = 30.0;
 
 /// The energy budget of a body, which lasts from frame to frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -86,12 +80,12 @@ pub(crate) struct GuardInputs {
     pub(crate) kept: f32,
     /// Whether to restore momenta and to limit the energy.
     pub(crate) conserves: bool,
-    /// Weight of a pin in rigid motions \[kg\].
-    pub(crate) pin_weight: f32,
+    /// Whether the body has pins.
+    pub(crate) has_pins: bool,
     /// Whether something does unknown work in the frame.
     pub(crate) is_driven: bool,
-    /// Whether pins or contacts hold the body.
-    pub(crate) is_held: bool,
+    /// Whether the body has contacts.
+    pub(crate) has_contacts: bool,
     /// Whether the budget is unlimited at the start of the frame.
     pub(crate) is_unlimited: bool,
     /// Factor of the slack beyond the elastic energy, if that is measured at the end of the frame.
@@ -114,9 +108,9 @@ impl GuardInputs {
             constants: *constants,
             kept: (-damping * time).exp(),
             conserves,
-            pin_weight: 0.0,
+            has_pins: false,
             is_driven: false,
-            is_held: false,
+            has_contacts: false,
             is_unlimited: budget.is_unlimited(),
             relaxation: (conserves && is_due).then(|| (-age / RELAXATION).exp()),
         })
@@ -183,7 +177,7 @@ struct Energies {
     rigid: f32,
     /// Kinetic energy of other motions at the end, damping included.
     relative: f32,
-    /// The part of the rigid energy that may be taken: that of a pinned body.
+    /// The part of the rigid energy that may be taken: that of pinned pieces.
     pinned: f32,
     /// Change of the energy of height.
     height: f32,
@@ -213,7 +207,7 @@ impl Guard {
 
     /// Measures a body at the end of a frame; bodies follow each other as at its start.
     ///
-    /// `is_free` tells that nothing but gravity has moved it.
+    /// `is_free` tells that nothing but gravity and pins has moved it.
     pub(crate) fn end(&mut self, body: &GuardedBody<'_>, inputs: &GuardInputs, is_free: bool) {
         let constants = &inputs.constants;
         let fall = constants
@@ -232,7 +226,7 @@ impl Guard {
             };
             let (mut velocity, mut momentum) = (motion.velocity, motion.momentum);
             let rigid = motion.rigid_energy(velocity, turn, momentum);
-            if inputs.conserves && is_free {
+            if inputs.conserves && is_free && motion.pins == 0.0 {
                 velocity = add(start.velocity, fall);
                 momentum = start.momentum;
                 change.velocity_change = subtract(velocity, motion.velocity);
@@ -246,14 +240,12 @@ impl Guard {
             );
             energies.mass += motion.mass;
             energies.before += start.kinetic;
-            energies.rigid +=
-                motion.rigid_energy(velocity, add(turn, change.turn_change), momentum);
+            let rigid = motion.rigid_energy(velocity, add(turn, change.turn_change), momentum);
+            energies.rigid += rigid;
+            energies.pinned += if motion.pins > 0.0 { rigid } else { 0.0 };
             energies.relative += (inputs.kept * inputs.kept) * relative;
             energies.height -= motion.mass * dot(constants.gravity_step, moved) / constants.h;
             self.end.push(change);
-        }
-        if inputs.pin_weight > 0.0 {
-            energies.pinned = energies.rigid;
         }
         self.energies.push(energies);
     }
@@ -280,14 +272,14 @@ impl Guard {
         let slack = if slack > 0.0 { slack } else { 0.0 };
         let mass = sum(|e| e.mass);
         for ((mut body, inputs), energies) in bodies.zip(energies) {
-            let rigid = if inputs.pin_weight > 0.0 {
-                pinned_scale
-            } else {
-                1.0
-            };
-            let factors = [inputs.kept * scale, rigid];
             let changes = &self.end[place.piece..place.piece + body.pieces.len()];
             for (vertices, change) in body.pieces.iter().zip(changes) {
+                let rigid = if change.motion.pins > 0.0 {
+                    pinned_scale
+                } else {
+                    1.0
+                };
+                let factors = [inputs.kept * scale, rigid];
                 if !(factors == [1.0; 2] && change.is_none()) {
                     change.apply(body.positions, body.velocities, vertices, factors);
                 }
@@ -370,7 +362,7 @@ impl GuardedBody<'_> {
     /// Measures a piece.
     fn motion(&self, vertices: &[VertexId], inputs: &GuardInputs) -> RigidMotion {
         let (positions, velocities) = (self.positions, &*self.velocities);
-        RigidMotion::of(positions, velocities, vertices, inputs.pin_weight)
+        RigidMotion::of(positions, velocities, vertices, inputs.has_pins)
     }
 
     /// Updates the budget after a frame that left `slack` \[J\].

@@ -406,7 +406,7 @@ fn end_guard(
 ) {
     for ((solver, surface), member) in bodies.iter_mut().zip(members) {
         if let Some(inputs) = &member.guard {
-            let is_free = !(inputs.is_held || member.met_collider);
+            let is_free = !(inputs.has_contacts || member.met_collider);
             guard.end(&solver.guarded(surface), inputs, is_free);
         }
     }

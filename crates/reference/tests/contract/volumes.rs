@@ -171,7 +171,6 @@ fn gap(compressibility: f32, wrong: f64, h: f32) -> f64 {
             compressibility,
             pressure: 1.01,
         }),
-        damping: 0.5,
         ..Material::default()
     };
     let mut solver = Solver::new(&mut surface, &material).unwrap();

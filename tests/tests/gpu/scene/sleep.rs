@@ -145,7 +145,7 @@ fn costs_nothing(context: Context) {
         assert!(stats.dispatches > 0);
         read += stats.bytes_read;
     }
-    assert_eq!(read, 2 * 40, "one motion report per body");
+    assert_eq!(read, 2 * 44, "one motion report per body");
 }
 
 fn cut(context: Context) {

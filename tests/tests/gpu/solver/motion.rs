@@ -94,5 +94,5 @@ fn unasked(context: Context) {
     assert!(gpu.motion(watched).expect("a report").is_some());
     let both = [(watched, &mut solver), (other, &mut other_solver)];
     let stats = gpu.step(both, DT, &params).expect("a step");
-    assert_eq!(stats.bytes_read, 40, "one report");
+    assert_eq!(stats.bytes_read, 44, "one report");
 }

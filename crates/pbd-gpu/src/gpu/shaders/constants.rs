@@ -7,8 +7,8 @@ use crate::constraints::contacts::{ContactKind, NO_VERTEX, SupportedSide};
 use crate::constraints::interior_springs;
 use crate::gpu::layout::{
     ATTACHMENT_ENTRIES, BENDING, BENDING_ENTRIES, CHUNK_ENTRIES, COLLIDER_ENTRIES, CONSERVES,
-    CONTACT_ENTRIES, CONTACT_FEATURES, CONTACT_RECOVERIES, CONTACTS, GUARD_ENTRIES,
-    INTERIOR_SPRINGS, IS_DRIVEN, IS_GUARDED, IS_HELD, IS_PRESSED, IS_UNLIMITED, KEEPS_BENDING,
+    CONTACT_ENTRIES, CONTACT_FEATURES, CONTACT_RECOVERIES, CONTACTS, GUARD_ENTRIES, HAS_CONTACTS,
+    INTERIOR_SPRINGS, IS_DRIVEN, IS_GUARDED, IS_PRESSED, IS_UNLIMITED, KEEPS_BENDING,
     KEEPS_INTERIOR_SPRINGS, KEEPS_STRETCH, KEEPS_VOLUME, PATCH_LAYERS, PIECE_ENTRIES, PIN_ENTRIES,
     RENEWS, RUN_COLORS, STRETCH, STRETCH_ENTRIES, ordered,
 };
@@ -55,7 +55,7 @@ const INTEGERS: [(&str, u32); 41] = [
     ("IS_GUARDED", IS_GUARDED),
     ("CONSERVES", CONSERVES),
     ("IS_DRIVEN", IS_DRIVEN),
-    ("IS_HELD", IS_HELD),
+    ("HAS_CONTACTS", HAS_CONTACTS),
     ("IS_UNLIMITED", IS_UNLIMITED),
     ("RENEWS", RENEWS),
     ("GUARD_ENTRIES", GUARD_ENTRIES as u32),
@@ -71,7 +71,7 @@ const INTEGERS: [(&str, u32); 41] = [
 ];
 
 /// Constants of kernels.
-pub(super) const FLOATS: [(&str, f32); 31] = [
+pub(super) const FLOATS: [(&str, f32); 32] = [
     ("PI", PI),
     ("TAU", TAU),
     ("HALF_PI", FRAC_PI_2),
@@ -101,6 +101,7 @@ pub(super) const FLOATS: [(&str, f32); 31] = [
     ("PRESS", steps::PRESS),
     ("EASE", steps::EASE),
     ("LEAST_INERTIA", rigid_motion::LEAST_INERTIA),
+    ("PIN_WEIGHT", rigid_motion::PIN_WEIGHT),
     ("UNITS", elastic::UNITS),
     ("UNLIMITED", guard::UNLIMITED),
 ];

@@ -2,7 +2,7 @@
 //
 // A piece has GUARD_ENTRIES entries: first vertex in the list and number of vertices; the motion at
 // the start of the frame: origin, center, velocity, momentum and kinetic energy; that at its end:
-// origin, center, velocity, angular velocity, and the changes of both velocities.
+// origin, center, velocity, angular velocity, the changes of both velocities, and number of pins.
 
 // Factors of the relative and the rigid motion of the body.
 var<workgroup> factors: vec2f;
@@ -59,7 +59,7 @@ fn begin_guard(
     }
     for (var piece = 0u; piece < body.guard_pieces; piece++) {
         let at = body.first_guard + GUARD_ENTRIES * piece;
-        let motion = measure_piece(constraints[at], body.pin_weight, lane);
+        let motion = measure_piece(constraints[at], body.pins != 0u, lane);
         if (lane == 0u) {
             store_vector(at + 1u, 0u, motion.origin);
             store_vector(at + 1u, 1u, motion.center);
@@ -73,6 +73,7 @@ fn begin_guard(
 // Energies of the body in the frame; only those of the first lane have a meaning.
 var<private> energy_before: f32;
 var<private> energy_rigid: f32;
+var<private> energy_pinned: f32;
 var<private> energy_relative: f32;
 var<private> energy_height: f32;
 
@@ -84,7 +85,7 @@ fn end_piece(body: Body, at: u32, motion: RigidMotion, is_free: bool) {
     var velocity_change = vec3f();
     var turn_change = vec3f();
     let own = rigid_energy(motion.mass, velocity, turn, momentum);
-    if (is_free && is_guarded(body, CONSERVES)) {
+    if (is_free && motion.pins == 0.0 && is_guarded(body, CONSERVES)) {
         velocity = load_vector(at + 1u, 2u) + frame.gravity_step * f32(frame.substeps);
         momentum = load_vector(at + 1u, 3u);
         velocity_change = velocity - motion.velocity;
@@ -95,7 +96,9 @@ fn end_piece(body: Body, at: u32, motion: RigidMotion, is_free: bool) {
     let moved = (motion.origin - load_vector(at + 1u, 0u))
         + (motion.center - load_vector(at + 1u, 1u));
     energy_before += load_number(at + 1u, 12u);
-    energy_rigid += rigid_energy(motion.mass, velocity, turn + turn_change, momentum);
+    let rigid = rigid_energy(motion.mass, velocity, turn + turn_change, momentum);
+    energy_rigid += rigid;
+    energy_pinned += select(0.0, rigid, motion.pins > 0.0);
     energy_relative += (body.kept * body.kept) * relative;
     energy_height -= motion.mass * dot_product(frame.gravity_step, moved) / frame.h;
     store_vector(at + 8u, 0u, motion.origin);
@@ -104,6 +107,7 @@ fn end_piece(body: Body, at: u32, motion: RigidMotion, is_free: bool) {
     store_vector(at + 8u, 3u, turn);
     store_vector(at + 8u, 4u, velocity_change);
     store_vector(at + 8u, 5u, turn_change);
+    store_number(at + 8u, 18u, motion.pins);
 }
 
 fn scale_to_lose(excess: f32, energy: f32) -> f32 {
@@ -118,11 +122,10 @@ fn scale_to_lose(excess: f32, energy: f32) -> f32 {
 fn limit_energy(body: Body, slack: f32) -> f32 {
     let gain = ((energy_rigid + energy_relative) + energy_height) - energy_before;
     let excess = gain - slack;
-    let pinned = select(0.0, energy_rigid, body.pin_weight > 0.0);
     let scale = scale_to_lose(excess, energy_relative);
-    let rigid = scale_to_lose(excess - energy_relative, pinned);
+    let rigid = scale_to_lose(excess - energy_relative, energy_pinned);
     factors = vec2f(body.kept * scale, rigid);
-    let lost = (1.0 - scale * scale) * energy_relative + (1.0 - rigid * rigid) * pinned;
+    let lost = (1.0 - scale * scale) * energy_relative + (1.0 - rigid * rigid) * energy_pinned;
     let left = slack + (lost - gain);
     return select(0.0, left, left > 0.0);
 }
@@ -135,7 +138,8 @@ fn change_piece(at: u32, lane: u32) {
     let turn = load_vector(at + 8u, 3u);
     let velocity_change = load_vector(at + 8u, 4u);
     let turn_change = load_vector(at + 8u, 5u);
-    if (all(factors == vec2f(1.0)) && all(velocity_change == vec3f()) && all(turn_change == vec3f())) {
+    let rigid = select(1.0, factors.y, load_number(at + 8u, 18u) > 0.0);
+    if (factors.x == 1.0 && rigid == 1.0 && all(velocity_change == vec3f()) && all(turn_change == vec3f())) {
         return;
     }
     let list = constraints[at];
@@ -148,7 +152,7 @@ fn change_piece(at: u32, lane: u32) {
             let carried = velocity + cross_product(turn, arm);
             let around = own - carried;
             let restored = velocity_change + cross_product(turn_change, arm);
-            let scaled = (factors.x - 1.0) * around + (factors.y - 1.0) * carried;
+            let scaled = (factors.x - 1.0) * around + (rigid - 1.0) * carried;
             let end = own + (scaled + restored);
             motions[first_vertex + v].velocity = vec4f(end, 0.0);
         }
@@ -167,12 +171,13 @@ fn end_guard(
         return;
     }
     first_vertex = body.first_vertex;
-    let is_held = is_guarded(body, IS_HELD) || atomicLoad(&reports[work.body].met_collider) != 0u;
+    let met_collider = atomicLoad(&reports[work.body].met_collider) != 0u;
+    let is_free = !(is_guarded(body, HAS_CONTACTS) || met_collider);
     for (var piece = 0u; piece < body.guard_pieces; piece++) {
         let at = body.first_guard + GUARD_ENTRIES * piece;
-        let motion = measure_piece(constraints[at], body.pin_weight, lane);
+        let motion = measure_piece(constraints[at], body.pins != 0u, lane);
         if (lane == 0u) {
-            end_piece(body, at, motion, !is_held);
+            end_piece(body, at, motion, is_free);
         }
     }
     storageBarrier();
