@@ -54,6 +54,7 @@ impl GpuBackend {
             let inputs = FrameInputs {
                 dt,
                 substeps,
+                has_contacts: !solver.contacts().is_empty(),
                 contact_rounds,
                 reaches_colliders: true,
             };
@@ -409,13 +410,15 @@ struct SteppedBody<'a> {
 }
 
 impl SteppedBody<'_> {
-    /// Returns substeps and rounds, in which the bodies of a submission agree.
-    fn key(&self) -> [u32; 3] {
+    /// Returns substeps, rounds and whether it has contacts, in which the bodies of a submission agree.
+    fn key(&self) -> [u32; 4] {
         let substeps = self.inputs.substeps;
+        let has_contacts = u32::from(self.inputs.has_contacts);
         [
             substeps.count,
             substeps.h.to_bits(),
             self.inputs.contact_rounds,
+            has_contacts,
         ]
     }
 }

@@ -10,6 +10,8 @@ fn predict_vertex(i: u32) {
         let last = motions[at].correction.xyz;
         motions[at].correction = vec4f(-d, 0.0);
         d += frame.lift * last;
+    } else if (substep_index == 0u) {
+        motions[at].correction = vec4f();
     }
     store_d(i, d);
 }

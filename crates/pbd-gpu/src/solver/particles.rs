@@ -52,6 +52,34 @@ impl Solver {
         Ok(())
     }
 
+    /// Copies masses, velocities and pins of another solver, and what its substeps hand on.
+    ///
+    /// `pairs` has its vertices, ascending, and those of this one.
+    ///
+    /// # Errors
+    /// [`ConstraintError::UnknownVertex`] for a vertex that one of both lacks.
+    pub fn copy_motion(
+        &mut self,
+        surface: &mut Surface,
+        from: &Self,
+        pairs: &[(VertexId, VertexId)],
+    ) -> Result<(), ConstraintError> {
+        self.step.time_left = from.step.time_left;
+        let mut pins = from.pins().iter().peekable();
+        for &(old, new) in pairs {
+            from.check_vertex(old)?;
+            self.set_mass(surface, new, from.particles.mass[old.index()])?;
+            self.set_velocity(new, from.velocity(old))?;
+            self.particles.corrections[new.index()] = from.particles.corrections[old.index()];
+            while pins.next_if(|pin| pin.vertex < old).is_some() {}
+            if let Some(pin) = pins.next_if(|pin| pin.vertex == old) {
+                self.pin(surface, new)?;
+                self.set_pin_target(new, pin.target)?;
+            }
+        }
+        Ok(())
+    }
+
     /// Sets the mass of `v` \[kg\], for example to add a load.
     ///
     /// By default it follows from material and rest area. An edit at `v` redistributes the mass.

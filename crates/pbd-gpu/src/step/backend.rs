@@ -99,6 +99,8 @@ pub(crate) fn execute(
     let mut has_shared_pass = colors.any(|contacts| is_shared(contacts.len()));
     let mut stepped: Vec<SteppedBody<'_>> = std::mem::take(list);
     let mut small = 0;
+    // Bodies without a lift have corrections of their own, which stay 0.
+    let has_lift = members.iter().any(|member| member.constants.lift > 0.0);
     let members = members.iter_mut().enumerate();
     for ((solver, surface), (index, member)) in bodies.iter_mut().zip(members) {
         let stats = StepStats {
@@ -110,7 +112,10 @@ pub(crate) fn execute(
         let body = SteppedBody::new(index, member, solver, surface);
         let at_start = |&x: &[f32; 4]| ParticleState { x, d: [0.0; 4] };
         particles.extend(body.arrays.positions.iter().map(at_start));
-        if body.member.constants.lift > 0.0 {
+        if body.member.constants.lift == 0.0 {
+            body.arrays.corrections.fill([0.0; 4]);
+        }
+        if has_lift {
             corrections.extend_from_slice(body.arrays.corrections);
         }
         if body.is_large {

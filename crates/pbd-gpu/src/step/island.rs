@@ -172,6 +172,7 @@ impl Island {
         let frame = FrameInputs {
             dt,
             substeps,
+            has_contacts: !self.contacts.is_empty(),
             contact_rounds: contact_rounds(substeps.h, press, params.gravity),
             reaches_colliders: true,
         };

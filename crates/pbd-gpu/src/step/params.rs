@@ -39,7 +39,7 @@ incise_params::params! {
         /// Share of the constraints' last displacement that the prediction of a substep repeats.
         ///
         /// It removes most of the dissipation of implicit Euler. Every mode of a body is stable for
-        /// at most 1/2. [`Integrator::Bdf2`] and the global step have none.
+        /// at most 1/2. [`Integrator::Bdf2`], the global step and bodies in contact have none.
         lift: f32 = 0.48, range: Range::at_least(0.0).up_to(0.5);
         /// Gravitational acceleration.
         gravity: [f32; 3] = [0.0, -9.81, 0.0], unit: "m/s^2";

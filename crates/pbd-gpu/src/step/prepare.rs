@@ -22,6 +22,8 @@ pub(crate) struct FrameInputs {
     pub(crate) dt: f32,
     /// Its substeps, not all of which may fit into it: some of their time is of the last frame.
     pub(crate) substeps: Substeps,
+    /// Whether the body may touch others in the frame.
+    pub(crate) has_contacts: bool,
     /// Rounds of contacts and volumes per iteration, more where heavy pieces press thin ones.
     pub(crate) contact_rounds: u32,
     /// Whether a collider may reach the body within the frame; true if that is not known.
@@ -43,8 +45,10 @@ pub(crate) fn prepare(
     let h = frame.substeps.h;
     let global = takes_global_step(step, params);
     let rounds = frame.contact_rounds;
+    // Contacts act and end at once. Only the dissipation of implicit Euler brings stacks to rest.
+    let is_smooth = !frame.has_contacts && constraints.contacts.is_empty();
     let lift = match params.integrator {
-        Integrator::Euler if !global => params.lift,
+        Integrator::Euler if is_smooth && !global => params.lift,
         _ => 0.0,
     };
     let constants = constants_of(material, &frame, h, lift, params);

@@ -3,7 +3,7 @@
 use super::Body;
 use crate::error::SceneError;
 use incise_mesh::{Surface, VertexId};
-use incise_pbd_gpu::{ConstraintError, Material, PatchParams, Solver};
+use incise_pbd_gpu::{ConstraintError, Material, PatchParams};
 
 impl Body {
     /// Returns a body of the pieces of all `parts`, of one material, with their motion.
@@ -24,7 +24,8 @@ impl Body {
         let material = parts.first().map(|part| *part.solver.material());
         let mut body = Self::of_part(surface, &material.unwrap_or_default())?;
         for (part, pairs) in parts.iter().zip(&pairs) {
-            body.copy_motion(&part.solver, pairs)?;
+            body.solver
+                .copy_motion(&mut body.surface, &part.solver, pairs)?;
         }
         Ok(body)
     }
@@ -45,7 +46,8 @@ impl Body {
             let pairs = old.next().into_iter().flatten().copied().zip(new);
             let pairs: Vec<_> = pairs.collect();
             let mut body = Self::of_part(surface, self.solver.material())?;
-            body.copy_motion(&self.solver, &pairs)?;
+            body.solver
+                .copy_motion(&mut body.surface, &self.solver, &pairs)?;
             Ok(body)
         });
         pieces.collect()
@@ -54,25 +56,5 @@ impl Body {
     fn of_part(surface: Surface, material: &Material) -> Result<Self, ConstraintError> {
         let patches = PatchParams::for_body(surface.topology().vertex_count());
         Self::new(surface, material, patches.as_ref())
-    }
-
-    /// Copies masses, velocities and pins of another solver; `pairs` has its vertices and ours.
-    fn copy_motion(
-        &mut self,
-        from: &Solver,
-        pairs: &[(VertexId, VertexId)],
-    ) -> Result<(), ConstraintError> {
-        let (surface, solver) = (&mut self.surface, &mut self.solver);
-        let mut pins = from.pins().iter().peekable();
-        for &(old, new) in pairs {
-            solver.set_mass(surface, new, from.masses()[old.index()])?;
-            solver.set_velocity(new, from.velocity(old))?;
-            while pins.next_if(|pin| pin.vertex < old).is_some() {}
-            if let Some(pin) = pins.next_if(|pin| pin.vertex == old) {
-                solver.pin(surface, new)?;
-                solver.set_pin_target(new, pin.target)?;
-            }
-        }
-        Ok(())
     }
 }

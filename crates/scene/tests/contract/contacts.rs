@@ -22,6 +22,7 @@ pub(crate) fn params(gravity: [f32; 3]) -> SceneParams {
     SceneParams {
         solver: SolverParams {
             gravity,
+            substep: Some(1.0 / 960.0),
             ..SolverParams::default()
         },
         contacts: Some(ContactParams::default()),

@@ -31,6 +31,7 @@ fn slit_ball(contacts: Option<ContactParams>) -> (Scene, BodyId) {
         ..SceneParams::default()
     });
     scene.params.solver.gravity = [0.0; 3];
+    scene.params.solver.substep = Some(1.0 / 960.0);
     let body = scene.add_body(ball, &material).unwrap();
     (scene, body)
 }

@@ -11,6 +11,7 @@ fn predict(
 ) {
     let work = find_work(group_number(group, groups));
     first_vertex = bodies[work.body].first_vertex;
+    substep_index = current.substep;
     let i = work.first_lane + lane;
     if (i < bodies[work.body].vertices) {
         predict_vertex(i);

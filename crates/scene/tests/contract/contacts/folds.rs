@@ -40,7 +40,7 @@ fn an_inverted_ball_recovers() {
         let rest = icosphere(subdivisions, 0.1).volume();
         for scale in [0.0, -0.1, -0.3] {
             let (mut scene, id) = scaled(icosphere(subdivisions, 0.1), scale);
-            for _ in 0..60 {
+            for _ in 0..240 {
                 scene.step().unwrap();
             }
             let volume = scene.body(id).unwrap().surface().volume() / rest;

@@ -87,8 +87,10 @@ fn a_body_added_in_another_one_leaves_it() {
         for id in [large, small] {
             let volume = volume(&scene, id);
             assert!((volume - 1.0).abs() < 0.01, "{volume}");
-            let energy = scene.body(id).unwrap().solver().kinetic_energy();
-            assert!(energy < 1e-3, "{energy} J");
+            // They part slowly, and nothing slows them as a whole then.
+            let solver = scene.body(id).unwrap().solver();
+            let speed = Vec3::from(solver.momentum()).norm() / solver.total_mass();
+            assert!(speed < 0.05, "{speed} m/s");
         }
     }
 }
@@ -346,10 +348,12 @@ fn pieces_that_overlap_a_little_move_a_little() {
     let ball = add(&mut scene, &icosphere(3, 1.0), [0.15, 0.01, 0.02], 0.25);
     let start = between(&scene, [ring, ball]);
     assert!(inside(&scene, [ball, ring], 0.03) > 0);
-    for _ in 0..240 {
+    let mut frames = 0;
+    while inside(&scene, [ball, ring], 0.01) > 0 {
         scene.step().unwrap();
+        frames += 1;
+        assert!(frames < 240, "they are still in each other");
     }
-    assert_eq!(inside(&scene, [ball, ring], 0.01), 0);
     let moved = (between(&scene, [ring, ball]) - start).norm();
     assert!(
         moved < 0.1,

@@ -104,7 +104,7 @@ fn an_inverted_ball_does_not_pass_through_a_plate() {
     let mut scene = Scene::new(params([0.0; 3]));
     let id = scene.add_body(merged(&[plate, ball]), &material).unwrap();
     pin_piece(&mut scene, id, 0);
-    let speed = 10.0 * 2.0 * 3.0_f32.sqrt() * scale;
+    let speed = 8.0 * 2.0 * 3.0_f32.sqrt() * scale;
     set_piece_velocity(&mut scene, id, 1, [0.0, -speed, 0.0]);
     for frame in 0..30 {
         scene.step().unwrap();
