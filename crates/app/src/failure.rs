@@ -290,6 +290,20 @@ pub(crate) enum Failure {
         /// Distance of neighboring coordinates \[m\].
         spacing: f64,
     },
+    /// A body is far beyond the place where the scene was.
+    #[error(
+        "{}: the body has left the scene: it is {distance:.3e} m away after {seconds} s; use \
+         shorter substeps or a softer material, or shorten the run",
+        path.display()
+    )]
+    LeftScene {
+        /// The file.
+        path: PathBuf,
+        /// Distance of its farthest corner from the center of the scene at the start \[m\].
+        distance: f64,
+        /// Length of the run \[s\].
+        seconds: f64,
+    },
     /// The path of the blade has more poses than the simulation has frames after the first one.
     #[error(
         "the blade's path of {poses} poses, one per frame, ends after the simulation; give \

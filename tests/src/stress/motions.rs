@@ -80,8 +80,12 @@ fn leaping_pin(runner: &mut Runner<'_>) {
 fn turning_pin(runner: &mut Runner<'_>) {
     const STEP: f32 = 1.0 / 600.0;
     const RADIUS: f32 = 0.2;
-    // From the circle's far side along the sheet's diagonal.
-    let reach = 1.05 * (f64::from(RADIUS) * 2.0 + 2.0_f64.sqrt());
+    // From the circle's far side along the sheet's diagonal. At 314 rad/s the mass of 1 kg, a meter
+    // away, pulls with 80 kN at some 16 edges: 1e-6 m/N lengthen them by 4 %.
+    let reach = |name: &str| {
+        let strain = if name == "compliance 1e-6" { 0.04 } else { 0.0 };
+        (1.05 + strain) * (f64::from(RADIUS) * 2.0 + 2.0_f64.sqrt())
+    };
     let steps: u16 = runner.pick(120, 6000);
     for (name, material) in pulled_shells() {
         let mut body = square(&material);
@@ -92,7 +96,10 @@ fn turning_pin(runner: &mut Runner<'_>) {
             body.set_target(CORNERS[0], target);
             runner.step(&mut body, STEP, &TEN_ITERATIONS, 1);
             let distance = max_distance(&body.surface);
-            assert!(distance <= reach, "{name}: {distance} m in step {step}");
+            assert!(
+                distance <= reach(name),
+                "{name}: {distance} m in step {step}"
+            );
         }
     }
 }
@@ -168,7 +175,10 @@ fn changing_steps(runner: &mut Runner<'_>) {
     ] {
         let material = stretch.map_or_else(Material::default, |a| elastic_shell(a, 1e2 * a));
         let mut body = Body::new(ball(1, 0.6), &material);
-        if params == WEIGHTLESS {
+        let is_weightless = params == WEIGHTLESS;
+        // Substeps of one length; those of whole frames would change with them.
+        let params = params.with_substeps(FRAME, 4);
+        if is_weightless {
             pose(&mut body.surface, |p| p * 1.2);
         } else {
             body.put_on_ground();

@@ -7,7 +7,10 @@ use incise_tests::stability::{Case, Runner, Verdict, cases};
 /// Verdicts that fail today: case, stress and invariant, the last two by their beginnings.
 ///
 /// One that is mended must leave the list.
-const OPEN: [[&str; 3]; 14] = [
+const OPEN: [[&str; 3]; 16] = [
+    // Pieces without a volume collapse and creep, and halves of round bodies roll on.
+    ["primitive", "", "speed"],
+    ["primitive", "", "time"],
     // Ten iterations do not carry a million times the mass of a vertex on springs.
     ["T3", "load on a swinging", "limits"],
     // The converged substep of XPBD depends on the order of its constraints.
@@ -90,6 +93,7 @@ macro_rules! stress_tests {
 
 stress_tests! {
     short:
+    primitives: "primitive"
     loads: "T3"
     scales: "T8"
     sleepers: "T12"
@@ -103,6 +107,7 @@ stress_tests! {
     bars: "bars"
     blocks: "block";
     long:
+    still_bodies: "still"
     time_steps: "T1"
     compliances: "T2"
     pressures: "T10"

@@ -6,7 +6,7 @@ use crate::input::InputOptions;
 use crate::json::lossy;
 use crate::numbers::Numbers;
 use incise_mesh::geometry::{to_f32, to_f64};
-use incise_mesh::{Surface, Vec3, VertexId, Warning};
+use incise_mesh::{Aabb, Surface, Vec3, VertexId, Warning};
 use incise_pbd_gpu::{Collider, Material};
 use incise_scene::{BodyId, Scene, SceneError};
 use serde::Serialize;
@@ -62,6 +62,48 @@ fn shift(surface: &mut Surface, by: Vec3) {
         let [x, y, z, inv_mass] = surface.positions()[i];
         let [x, y, z] = to_f32(to_f64([x, y, z]) + by);
         surface.positions_mut()[i] = [x, y, z, inv_mass];
+    }
+}
+
+/// The box of all bodies at the start, beyond which no body may fly.
+pub(super) struct Stage(Aabb);
+
+/// Maximum distance from the center of the stage, beyond a free fall \[diagonals of the stage\].
+const MAX_FLIGHT: f64 = 100.0;
+
+impl Stage {
+    /// Returns the stage of bodies before the first frame.
+    pub(super) fn new(surfaces: &[Surface]) -> Self {
+        let corners = surfaces.iter().map(Surface::bounds);
+        Self(Aabb::around(
+            corners.flat_map(|bounds| [bounds.min, bounds.max]),
+        ))
+    }
+
+    /// Refuses bodies that have left the stage after a run of `seconds` with `gravity` [m/s^2].
+    pub(super) fn check(
+        &self,
+        surfaces: &[(&Surface, &Path)],
+        gravity: [f32; 3],
+        seconds: f64,
+    ) -> Result<(), Failure> {
+        let fall = to_f64(gravity).norm() * seconds * seconds / 2.0;
+        let farthest = MAX_FLIGHT * self.0.diagonal() + fall;
+        for (surface, path) in surfaces {
+            let bounds = surface.bounds();
+            let corners = [bounds.min, bounds.max].map(to_f64);
+            let center = self.0.center();
+            let distances = corners.map(|corner| (corner - center).norm());
+            let distance = f64::max(distances[0], distances[1]);
+            if distance > farthest {
+                return Err(Failure::LeftScene {
+                    path: path.to_path_buf(),
+                    distance,
+                    seconds,
+                });
+            }
+        }
+        Ok(())
     }
 }
 

@@ -134,6 +134,7 @@ mod tests {
         let frame = FrameInputs {
             dt: 1.0 / 60.0,
             substeps,
+            has_contacts: false,
             contact_rounds: 1,
             reaches_colliders: false,
         };

@@ -25,6 +25,8 @@ incise_params::params! {
         iterations: u32 = 1, range: Self::COUNTS;
         /// Length of a substep; `None` is one substep per frame, as long as the frame.
         ///
+        /// With `None`, frames of different lengths add energy.
+        ///
         /// A frame takes the whole number of substeps that the time allows, and carries the
         /// remainder over to the next one. A constant length keeps the stiffness of rigid
         /// constraints constant: changes of it would add energy. Shorter substeps stiffen a body

@@ -43,7 +43,13 @@ fn set_up(scene: &mut Scene) -> ([BodyId; 2], BladeId) {
     let mut x = -2.0;
     let ids = MODELS.map(|shape| {
         x += 2.0;
-        scene.add_body(model(shape, x), &jelly).unwrap()
+        let id = scene.add_body(model(shape, x), &jelly).unwrap();
+        // A free body would drift without end after a push.
+        let (solver, surface) = scene.edit(id).unwrap().solver_mut();
+        for v in [0, 5, 20].map(VertexId) {
+            solver.pin(surface, v).unwrap();
+        }
+        id
     });
     let blade = scene.add_blade([[-1.0, 50.0, -2.0], [-1.0, 50.0, 2.0]]);
     (ids, blade)
