@@ -80,8 +80,8 @@ impl Model {
     ///
     /// # Errors
     /// [`ReferenceError::NoEnergy`] for a stiffness other than a compliance or 1,
-    /// [`ReferenceError::Damping`], [`ReferenceError::Friction`] for a plane with friction, [`ReferenceError::Collider`] for
-    /// other colliders.
+    /// [`ReferenceError::Damping`], [`ReferenceError::Friction`] for a plane with friction,
+    /// [`ReferenceError::Collider`] for other colliders.
     pub fn of(
         solver: &Solver,
         surface: &Surface,

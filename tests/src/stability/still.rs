@@ -18,8 +18,8 @@ use incise_test_support::random::Random;
 pub(super) const CASES: [Case; 2] = [
     Case {
         id: "still",
-        stress: "40 meshes at rest, spinning, hanging and dropped, with 8 materials, 5 sizes, even, \
-             alternating and random frames and a hitch",
+        stress: "40 meshes at rest, spinning, hanging and dropped, with 8 materials, 5 sizes, \
+             even, alternating and random frames and a hitch",
         invariants: &[
             ("speed at rest in the last quarter [sizes/s]", 1e-3),
             (

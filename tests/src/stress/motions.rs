@@ -80,11 +80,16 @@ fn leaping_pin(runner: &mut Runner<'_>) {
 fn turning_pin(runner: &mut Runner<'_>) {
     const STEP: f32 = 1.0 / 600.0;
     const RADIUS: f32 = 0.2;
-    // From the circle's far side along the sheet's diagonal. At 314 rad/s the mass of 1 kg, a meter
-    // away, pulls with 80 kN at some 16 edges: 1e-6 m/N lengthen them by 4 %.
+    // From the circle's far side along the sheet's diagonal. At 314 rad/s the mass of 1 kg, whose
+    // center is 0.91 m from that of the circle, pulls with 90 kN. The k-th row from the pin has 2 k
+    // edges across the diagonal, at 45 degrees: a load of F lengthens it by F c / k. F falls as
+    // the mass between the pin and the row, k (k - 1) / 2 of 64 squares up to the other diagonal.
+    let load = 90e3;
+    let row = |k: u32| (1.0 - f64::from(k * (k - 1)) / 128.0) / f64::from(k);
+    let rows: f64 = (1..=8).map(row).sum();
     let reach = |name: &str| {
-        let strain = if name == "compliance 1e-6" { 0.04 } else { 0.0 };
-        (1.05 + strain) * (f64::from(RADIUS) * 2.0 + 2.0_f64.sqrt())
+        let compliance = if name == "compliance 1e-6" { 1e-6 } else { 0.0 };
+        1.05 * (f64::from(RADIUS) * 2.0 + 2.0_f64.sqrt()) + compliance * load * rows
     };
     let steps: u16 = runner.pick(120, 6000);
     for (name, material) in pulled_shells() {

@@ -206,7 +206,6 @@ pub fn slit_ball(
         ..weightless()
     };
     let mut scene = Scene::with_backend(params, backend)?;
-    scene.params.solver.substep = Some(1.0 / 960.0);
     let body = scene.add_body(ball, material)?;
     let ball = Part { body, piece: 0 };
     let ends = super::pin(&mut scene, ball, |p| p.x.abs() > 0.8 * RADIUS)?;

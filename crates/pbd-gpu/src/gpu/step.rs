@@ -410,7 +410,7 @@ struct SteppedBody<'a> {
 }
 
 impl SteppedBody<'_> {
-    /// Returns substeps, rounds and whether it has contacts, in which the bodies of a submission agree.
+    /// Returns substeps, rounds and whether it has contacts: bodies of a submission agree in them.
     fn key(&self) -> [u32; 4] {
         let substeps = self.inputs.substeps;
         let has_contacts = u32::from(self.inputs.has_contacts);

@@ -14,10 +14,10 @@ pub(crate) const RETURN: f32 = 0.05;
 /// Projects vertices whose distance from their anchor exceeds the attachment's length.
 ///
 /// `corrections`, the displacements by constraints, lose the pulls, which act on one side only;
-/// empty without a lift. Vertices move straight toward the anchor, to that length. If the distance exceeded the length at
-/// the start of a substep of `h` \[s\], it is instead limited to that distance, reduced at rate
-/// [`RETURN`]. Anchors do not move, and no
-/// two attachments share a vertex.
+/// empty without a lift. Vertices move straight toward the anchor, to that length. If the
+/// distance exceeded the length at the start of a substep of `h` \[s\], it is instead limited to
+/// that distance, reduced at rate [`RETURN`]. Anchors do not move, and no two attachments share a
+/// vertex.
 #[inline(always)]
 pub(crate) fn attachments(
     particles: ParticleStates<'_>,

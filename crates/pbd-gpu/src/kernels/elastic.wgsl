@@ -59,7 +59,8 @@ fn add_run(kind: u32, body: Body, run: Run, list: u32, lane: u32, scale: f32) {
             let at = run.first + STRETCH_ENTRIES * k;
             let ends = constraints[at];
             let rest = bitcast<f32>(constraints[at + 1u].x);
-            let energy = edge_energy(body_vertex(list, ends.x), body_vertex(list, ends.y), rest, by);
+            let v = vec2u(body_vertex(list, ends.x), body_vertex(list, ends.y));
+            let energy = edge_energy(v.x, v.y, rest, by);
             add_energy(energy, scale);
         }
     }

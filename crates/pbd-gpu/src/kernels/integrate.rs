@@ -6,7 +6,8 @@ use std::cell::Cell;
 
 /// Sets `v = d / h` and adds `d` to `x`, for substeps of `h` \[s\].
 ///
-/// Completes `corrections`, the displacements by constraints; empty without a lift. Returns the largest change of a coordinate, or `None` if a position is not finite.
+/// Completes `corrections`, the displacements by constraints; empty without a lift. Returns the
+/// largest change of a coordinate, or `None` if a position is not finite.
 #[inline(always)]
 pub(crate) fn integrate(
     particles: ParticleStates<'_>,

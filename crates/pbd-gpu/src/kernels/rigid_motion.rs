@@ -4,8 +4,8 @@
 //! on any number of threads and on any GPU. Positions are relative to the first vertex of a piece,
 //! which keeps their precision far from the origin.
 //!
-//! All pins of a piece together weigh [`PIN_WEIGHT`] times its other vertices: a rigid motion is one
-//! that the pins allow, such as the swing of a pendulum.
+//! All pins of a piece together weigh [`PIN_WEIGHT`] times its other vertices: a rigid motion is
+//! one that the pins allow, such as the swing of a pendulum.
 
 use super::volume::{CHUNK, tree};
 use incise_mesh::VertexId;

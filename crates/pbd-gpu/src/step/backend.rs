@@ -25,7 +25,8 @@ use std::ops::Range;
 pub(crate) struct StepScratch {
     /// States of the particles, body after body, shape [vertex slots of the island].
     particles: Vec<ParticleState>,
-    /// Displacements by constraints \[m\], shape [vertex slots of the island]; empty without a lift.
+    /// Displacements by constraints \[m\], shape [vertex slots of the island]; empty without
+    /// a lift.
     corrections: Vec<[f32; 4]>,
     /// Vertices that a piece carries in the substep, shape [vertex slots of the island]; empty
     /// without contacts.

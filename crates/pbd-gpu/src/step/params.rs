@@ -9,10 +9,10 @@ incise_params::params! {
     /// Parameters of a frame. The y axis points up.
     ///
     /// By default there are 720 substeps a second of one iteration, near the smallest error in the
-    /// same time (`docs/benchmarks.md`). Soft sheets gain from [`Integrator::Bdf2`], large and stiff
-    /// bodies from [`Scheme::Auto`] with two substeps of four iterations a frame. More iterations in
-    /// fewer substeps of sweeps have larger errors (Macklin et al. 2019, "Small Steps in Physics
-    /// Simulation").
+    /// same time (`docs/benchmarks.md`). Soft sheets gain from [`Integrator::Bdf2`], large and
+    /// stiff bodies from [`Scheme::Auto`] with two substeps of four iterations a frame. More
+    /// iterations in fewer substeps of sweeps have larger errors (Macklin et al. 2019, "Small
+    /// Steps in Physics Simulation").
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct SolverParams {
         /// Symmetric iterations per substep, usually 1 to 10.

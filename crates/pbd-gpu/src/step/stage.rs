@@ -82,7 +82,8 @@ pub(crate) struct Stage<'a> {
     pub(crate) substeps_left: u32,
     /// States of the island.
     pub(crate) particles: ParticleStates<'a>,
-    /// Displacements by constraints \[m\], shape [vertex slots of the island]; empty without a lift.
+    /// Displacements by constraints \[m\], shape [vertex slots of the island]; empty without
+    /// a lift.
     pub(crate) corrections: &'a [Cell<[f32; 4]>],
     /// Vertices that a piece carries, shape [vertex slots of the island]; empty without contacts.
     pub(crate) carried: &'a [Cell<bool>],

@@ -297,12 +297,12 @@ fn sent(gpu: &mut GpuBackend, mut surface: Surface, patches: Option<&PatchParams
     sent
 }
 
-/// A split changes the slots of some constraints and the length of some runs, so that the lists of
-/// dispatches, there and back, are sent anew, which are as long for all bodies. By patches it takes the blocks of
-/// those that lost or got a constraint, mostly one or two; a patch of 256 vertices has one of about
-/// 30 KB.
+/// A split changes the slots of some constraints and the length of some runs, so that the list of
+/// dispatches is sent anew, which is as long for all bodies: 10 KB, forward and back. By patches it
+/// takes the blocks of those that lost or got a constraint, mostly one or two; a patch of 256
+/// vertices has one of about 30 KB.
 fn an_edit_uploads_its_changes(context: Context, patches: Option<&PatchParams>) {
-    let most = if patches.is_some() { 60_000 } else { 20_000 };
+    let most = if patches.is_some() { 60_000 } else { 24_000 };
     let mut gpu = GpuBackend::from_context(context).expect("a device");
     let small = sent(&mut gpu, icosphere(4, 0.5), patches);
     let large = sent(&mut gpu, icosphere(5, 0.5), patches);

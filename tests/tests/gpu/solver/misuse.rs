@@ -147,8 +147,10 @@ fn too_many_bodies(context: Context) {
     let mut first = CpuGpuPair::add(&mut gpu, sphere(2, [0.0; 3]), &material, Schedule::Patches);
     let mut grown = CpuGpuPair::add(&mut gpu, sphere(2, [0.0; 3]), &material, Schedule::Patches);
     // A first step makes room for colliders.
-    first.step(&mut gpu, &params);
-    grown.step(&mut gpu, &params);
+    for twin in [&mut first, &mut grown] {
+        twin.step(&mut gpu, &params);
+        twin.assert_equal(&mut gpu, "after a first step");
+    }
     let is_full = |error: &GpuError| {
         matches!(error, GpuError::BufferTooLarge { what, limit, .. }
         if what == "constraints" && *limit == 128 << 20)

@@ -139,7 +139,8 @@ fn change_piece(at: u32, lane: u32) {
     let velocity_change = load_vector(at + 8u, 4u);
     let turn_change = load_vector(at + 8u, 5u);
     let rigid = select(1.0, factors.y, load_number(at + 8u, 18u) > 0.0);
-    if (factors.x == 1.0 && rigid == 1.0 && all(velocity_change == vec3f()) && all(turn_change == vec3f())) {
+    let is_unchanged = all(velocity_change == vec3f()) && all(turn_change == vec3f());
+    if (factors.x == 1.0 && rigid == 1.0 && is_unchanged) {
         return;
     }
     let list = constraints[at];
