@@ -322,8 +322,16 @@ impl DeviceBody {
         (self.guard).update(context, &arenas.entries, uploads, pieces);
     }
 
+    /// Queues velocities that were set on the CPU side, of a body that may not have been read.
+    pub(super) fn edit_velocities(&self, uploads: &mut Uploads, solver: &Solver, of: &[u32]) {
+        for &v in of {
+            let first = 2 * (self.vertices.start + v);
+            uploads.edit_vector(Target::Motions, first, motion(solver, v).velocity);
+        }
+    }
+
     /// Queues motions that were set on the CPU side.
-    pub(super) fn edit_motions(&self, uploads: &mut Uploads, solver: &Solver, of: &[u32]) {
+    fn edit_motions(&self, uploads: &mut Uploads, solver: &Solver, of: &[u32]) {
         for &v in of {
             let Motion {
                 velocity,

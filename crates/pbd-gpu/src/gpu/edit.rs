@@ -130,7 +130,7 @@ impl GpuBackend {
         let gpu_body = &mut resident.body;
         solver.take_changes(changes);
         gpu_body.edit_masses(uploads, solver, &changes.masses);
-        gpu_body.edit_motions(uploads, solver, &changes.velocities);
+        gpu_body.edit_velocities(uploads, solver, &changes.velocities);
         if !changes.velocities.is_empty() {
             // A pending readback does not include them.
             self.frame += 1;

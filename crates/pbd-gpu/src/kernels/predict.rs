@@ -39,6 +39,7 @@ pub(crate) fn predict(
     let lift = constants.lift;
     for (cell, correction) in particles.iter().zip(corrections) {
         let ParticleState { x, d } = cell.get();
+        let lift = if x[3] > 0.0 { lift } else { 0.0 };
         let last = correction.replace([-d[0], -d[1], -d[2], 0.0]);
         let d = [
             d[0] + lift * last[0],

@@ -9,7 +9,7 @@ fn predict_vertex(i: u32) {
     if (frame.lift > 0.0) {
         let last = motions[at].correction.xyz;
         motions[at].correction = vec4f(-d, 0.0);
-        d += frame.lift * last;
+        d += (frame.lift * free) * last;
     } else if (substep_index == 0u) {
         motions[at].correction = vec4f();
     }

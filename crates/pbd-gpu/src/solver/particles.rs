@@ -130,7 +130,6 @@ impl Solver {
         position[3] = 0.0;
         let target = [position[0], position[1], position[2]];
         self.particles.velocities[v.index()] = [0.0; 4];
-        self.particles.corrections[v.index()] = [0.0; 4];
         self.follow.log.mark_mass(v);
         self.follow.log.mark_velocity(v);
         self.follow.log.mark_pins();

@@ -213,11 +213,12 @@ fn reads(gpu: &mut GpuBackend) {
     for hosted in &bodies {
         gpu.bounds(hosted.body).expect("a box");
     }
-    assert_eq!(read_before(gpu, &mut bodies), 2 * 40, "a report each");
+    assert_eq!(read_before(gpu, &mut bodies), 2 * 44, "a report each");
     for hosted in &mut bodies {
         hosted.read(gpu).expect("a state");
     }
-    let state = 32 * vertices + 40;
+    // Position, velocity and displacement by constraints of a vertex, and the report.
+    let state = 48 * vertices + 44;
     assert_eq!(read_before(gpu, &mut bodies), 2 * state);
     assert_eq!(read_before(gpu, &mut bodies), 0, "nobody reads again");
     // A requested state that was not read back does not count.
