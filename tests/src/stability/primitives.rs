@@ -1,4 +1,4 @@
-//! Closed meshes that nobody tuned for: fans, prisms, needles, rods, plates, tubes and tori.
+//! Builds closed primitives: fans, prisms, needles, rods, plates, tubes and tori.
 
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3};

@@ -69,6 +69,8 @@ fn shift(surface: &mut Surface, by: Vec3) {
 pub(super) struct Stage(Aabb);
 
 /// Maximum distance from the center of the stage, beyond a free fall \[diagonals of the stage\].
+///
+/// A rebound rises by one at most; moving pins and colliders throw bodies farther.
 const MAX_FLIGHT: f64 = 100.0;
 
 impl Stage {

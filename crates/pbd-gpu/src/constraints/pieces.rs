@@ -70,7 +70,6 @@ impl PieceVertices {
             self.vertices[index(*next)] = v;
             *next += 1;
         }
-        debug_assert_eq!(index_u32(self.vertices.len()), end);
     }
 
     /// Returns the allocated size in elements.

@@ -114,7 +114,7 @@ impl GpuBackend {
                 measures_motion: frame.measures_motion,
                 ..frame_record(&constants, params)
             };
-            self.update_body(body, solver, (&constants, guard.as_ref()), stats)?;
+            self.update_body(body, solver, &constants, guard.as_ref(), stats)?;
             self.stepped.push(body.slot());
             let measures_motion = self.resident(body)?.measures_motion;
             frame.measures_motion |= u32::from(measures_motion);
@@ -183,7 +183,8 @@ impl GpuBackend {
         &mut self,
         body: GpuBody,
         solver: &Solver,
-        (constants, guard): (&StepConstants, Option<&GuardInputs>),
+        constants: &StepConstants,
+        guard: Option<&GuardInputs>,
         stats: &mut GpuStats,
     ) -> Result<(), GpuError> {
         let lanes = self.pipelines.lanes;

@@ -297,10 +297,11 @@ fn sent(gpu: &mut GpuBackend, mut surface: Surface, patches: Option<&PatchParams
     sent
 }
 
-/// A split changes the slots of some constraints and the length of some runs, so that the list of
-/// dispatches is sent anew, which is as long for all bodies: 10 KB, forward and back. By patches it
-/// takes the blocks of those that lost or got a constraint, mostly one or two; a patch of 256
-/// vertices has one of about 30 KB.
+/// Uploads the slots that a split changes and the list of dispatches, forward and back.
+///
+/// The length of that list does not depend on the body. With patches, the upload has the block of
+/// every patch whose constraints change, mostly one or two. The block of a patch of 256 vertices
+/// has about 30 KB.
 fn an_edit_uploads_its_changes(context: Context, patches: Option<&PatchParams>) {
     let most = if patches.is_some() { 60_000 } else { 24_000 };
     let mut gpu = GpuBackend::from_context(context).expect("a device");
