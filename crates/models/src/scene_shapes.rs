@@ -63,7 +63,7 @@ pub fn place(surface: &mut Surface, to: impl Fn(Vec3) -> Vec3) {
 }
 
 /// Moves every vertex; rest positions stay \[m\].
-pub fn pose(surface: &mut Surface, to: impl Fn(Vec3) -> Vec3) {
+pub fn pose(surface: &mut Surface, mut to: impl FnMut(Vec3) -> Vec3) {
     for i in 0..surface.positions().len() {
         let [x, y, z] = to_f32(to(surface.position(VertexId::from_index(i))));
         surface.positions_mut()[i] = [x, y, z, surface.positions()[i][3]];

@@ -280,13 +280,10 @@ impl Still<'_> {
         place(&mut surface, |p| p * size);
         let lowest = surface.bounds().min[1];
         let mut random = Random::new(7);
-        let shake = |p: Vec3| {
+        pose(&mut surface, |p| {
             let by = Vec3::from_fn(|_, _| random.signed());
             p + by * (5e-8 * size)
-        };
-        let shake = std::cell::RefCell::new(shake);
-        pose(&mut surface, |p| (shake.borrow_mut())(p));
-        drop(shake);
+        });
         let mut scene = Scene::with_backend(
             SceneParams {
                 sleep: None,
@@ -297,8 +294,8 @@ impl Still<'_> {
         let falls = matches!(self.treatment, Treatment::Hang | Treatment::Drop);
         scene.params.solver.gravity = [0.0, if falls { -GRAVITY } else { 0.0 }, 0.0];
         if self.treatment == Treatment::Drop {
-            let ground = f64::from(lowest) - 0.3 * size;
-            scene.colliders.push(Collider::ground(ground as f32));
+            let [_, ground, _] = to_f32(Vec3::new(0.0, f64::from(lowest) - 0.3 * size, 0.0));
+            scene.colliders.push(Collider::ground(ground));
         }
         let body = scene.add_body(surface, &self.material)?;
         self.begin(&mut scene, body)?;

@@ -61,8 +61,7 @@ pub(super) fn by_patches(
     let model = Model::of(&body.solver, &body.surface, params)?;
     let start = State::of(&body.solver, &body.surface);
     let stepper = PatchStepper::new(&model, &start.x)?;
-    let substep = params.substep.unwrap_or(DT);
-    let substeps = (DT / substep).round() as u32;
+    let substeps = params.substeps(DT);
     let h = f64::from(DT) / f64::from(substeps);
     repeated(|run| {
         let is_first = run.states.is_empty();

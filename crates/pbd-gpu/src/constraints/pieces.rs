@@ -1,6 +1,6 @@
 //! [`PieceVertices`]: the vertices of every connected piece.
 
-use incise_mesh::{Surface, VertexId, index_u32};
+use incise_mesh::{Surface, VertexId};
 use std::ops::Range;
 
 /// The vertices of a body, by piece and ascending.
@@ -85,7 +85,7 @@ fn index(number: u32) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use incise_mesh::icosphere;
+    use incise_mesh::{icosphere, index_u32};
 
     #[test]
     fn every_vertex_is_in_the_list_of_its_piece() {

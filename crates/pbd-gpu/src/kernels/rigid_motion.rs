@@ -217,7 +217,8 @@ mod tests {
     fn a_rigid_motion_is_found() {
         let (velocity, turn) = ([1.0, -2.0, 0.5], [0.7, 1.3, -0.4]);
         let mut random = incise_test_support::random::Random::new(3);
-        let mut place = || [0, 1, 2].map(|k| 100.0 + (k as f32 + 0.5) * random.signed() as f32);
+        let mut place =
+            || [0, 1, 2].map(|k| 100.0 + (k as f32 + 0.5) * (2.0 * random.fraction() - 1.0));
         let mut positions: Vec<[f32; 4]> = Vec::new();
         for i in 0..300 {
             let [x, y, z] = place();

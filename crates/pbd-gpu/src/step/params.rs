@@ -2,6 +2,7 @@
 
 use crate::error::StepError;
 use crate::step::second_order::SUBSTEP_RATIO;
+use crate::step::substeps::Substeps;
 use incise_params::{Params, Range};
 use std::num::NonZeroUsize;
 
@@ -170,6 +171,12 @@ impl SolverParams {
             substep: Some(dt / count as f32),
             ..self
         }
+    }
+
+    /// Returns the number of whole substeps in a frame of `dt` \[s\], without time left before.
+    #[must_use]
+    pub fn substeps(&self, dt: f32) -> u32 {
+        Substeps::of_frame(0.0, dt, self).0.count
     }
 
     /// Returns whether the GPU backend can step bodies with these parameters.

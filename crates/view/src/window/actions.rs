@@ -89,8 +89,7 @@ impl OpenWindow {
 /// Changes the number of substeps of a frame, at least 1.
 fn change_substeps(scene: &mut SceneParams, change: impl Fn(u32) -> u32) {
     let SceneParams { dt, solver, .. } = scene;
-    let count = (*dt / solver.substep.unwrap_or(*dt)).round() as u32;
-    let count = change(count.max(1)).clamp(1, SolverParams::MAX_COUNT);
+    let count = change(solver.substeps(*dt).max(1)).clamp(1, SolverParams::MAX_COUNT);
     *solver = solver.with_substeps(*dt, count);
 }
 
