@@ -183,7 +183,7 @@ def test_a_bad_time_step_changes_nothing(sphere: incise.Mesh) -> None:
 
 @pytest.mark.parametrize("other", [0.0, 1e-30, 1.0, 1e30, 3e38, 1e300])
 def test_no_time_step_of_a_frame_stays(sphere: incise.Mesh, other: float) -> None:
-    scene = incise.Scene(gravity=(0, 0, 0), dt=0.01, sleep=False)
+    scene = incise.Scene(gravity=(0, 0, 0), dt=1 / 60, sleep=False)
     body = scene.add_body(sphere, "limp-shell", damping=0.0)
     with contextlib.suppress(incise.Error):
         scene.step(dt=other)
@@ -191,7 +191,7 @@ def test_no_time_step_of_a_frame_stays(sphere: incise.Mesh, other: float) -> Non
     scene.set_velocities(body, np.tile([0.6, 0.0, 0.0], (len(sphere.vertices), 1)))
     scene.step()
     moved = scene.positions(body) - before
-    np.testing.assert_allclose(moved.mean(axis=0), [0.006, 0, 0], atol=1e-5)
+    np.testing.assert_allclose(moved.mean(axis=0), [0.01, 0, 0], atol=1e-5)
 
 
 def test_unknown_numbers_are_refused(sphere: incise.Mesh) -> None:
