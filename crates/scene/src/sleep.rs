@@ -82,14 +82,15 @@ const MAX_ROUNDING: f64 = 4.0;
 /// Maximum jitter of a vertex at rest, in mean rest edge lengths.
 const MAX_JITTER: f64 = 0.05;
 
-/// Maximum relative change of `dt` that wakes no body.
-const DT_TOLERANCE: f32 = 0.2;
+/// Maximum relative change of [`Conditions::substep`] that wakes no body.
+const SUBSTEP_TOLERANCE: f32 = 0.2;
 
 /// The parameters under which bodies fell asleep: a change wakes them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Conditions {
-    dt: f32,
+    /// Fixed duration of a substep, or that of a frame \[s\].
+    substep: f32,
     solver: SolverParams,
     contacts: Option<ContactParams>,
     sleep: Option<SleepParams>,
@@ -101,10 +102,42 @@ struct Conditions {
 struct Observation {
     /// Number of frames since it started.
     frames: u32,
+    /// Duration of these frames \[s\].
+    time: f64,
+    /// Number of observed frames, once they are over.
+    observed: Option<u32>,
     /// Maximum displacement along an axis in a substep of the observed frames \[m\].
     max_displacement: f32,
     /// Whether that was small enough, once the observed frames are over.
     is_at_rest: bool,
+}
+
+impl Observation {
+    /// Returns whether the observed frames are over after one more of `dt` \[s\].
+    fn ends_after(&self, sleep: &SleepParams, dt: f32) -> bool {
+        // A frame of which only the rounding of the sum remains does not count.
+        let dt = f64::from(dt);
+        self.time + dt >= f64::from(sleep.seconds) - 1e-3 * dt
+    }
+
+    /// Returns whether the decision follows, [`SleepParams::LAG`] frames after the observed ones.
+    fn is_over(&self) -> bool {
+        self.observed
+            .is_some_and(|observed| self.frames >= observed + SleepParams::LAG)
+    }
+
+    /// Adds a frame of `dt` \[s\], up to the decision.
+    fn count(&mut self, sleep: &SleepParams, dt: f32) {
+        if self.is_over() {
+            return;
+        }
+        let ends = self.observed.is_none() && self.ends_after(sleep, dt);
+        self.frames += 1;
+        self.time += f64::from(dt);
+        if ends {
+            self.observed = Some(self.frames);
+        }
+    }
 }
 
 /// The frames of an observation in which a GPU measurement starts or ends.
@@ -139,8 +172,8 @@ pub(crate) struct Sleep {
     sleeping_bodies: u32,
     woken: u32,
     conditions: Option<Conditions>,
-    /// Number of observed frames.
-    observed_frames: u32,
+    /// Duration of the current frame \[s\].
+    dt: f32,
 }
 
 /// A box that overlaps every other one.
@@ -163,10 +196,11 @@ impl Sleep {
             self.drifts.len(),
             self.islands.len(),
         ];
-        let last = self.observed_frames.checked_add(SleepParams::LAG);
-        let is_observation = |observation: &Observation| Some(observation.frames) <= last;
+        let is_observation = |observation: &Observation| {
+            observation.frames <= u32::MAX - SleepParams::LAG
+                && observation.observed.is_none_or(|n| n <= observation.frames)
+        };
         let is_valid = lengths == [bodies; 5]
-            && last.is_some()
             && self.islands.iter().all(|&i| i < bodies)
             && self.observations.iter().all(is_observation);
         let sleeping = self.asleep.iter().filter(|&&is_asleep| is_asleep);
@@ -239,6 +273,11 @@ impl Sleep {
         }
     }
 
+    /// Returns the parameters of the current frame, if bodies may sleep.
+    fn params(&self) -> Option<SleepParams> {
+        self.conditions.and_then(|conditions| conditions.sleep)
+    }
+
     /// Returns the number of bodies that woke since the last call.
     pub(crate) fn take_woken(&mut self) -> u32 {
         std::mem::take(&mut self.woken)
@@ -246,20 +285,20 @@ impl Sleep {
 
     /// Begins a frame; wakes all bodies if its parameters differ from those of the previous one.
     pub(crate) fn begin_frame(&mut self, params: &SceneParams) {
+        self.dt = params.dt;
         let mut conditions = Conditions {
-            dt: params.dt,
+            substep: params.solver.substep.unwrap_or(params.dt),
             solver: params.solver,
             contacts: params.contacts,
             sleep: params.sleep,
         };
         if let Some(previous) = self.conditions
-            && (conditions.dt / previous.dt - 1.0).abs() <= DT_TOLERANCE
+            && (conditions.substep / previous.substep - 1.0).abs() <= SUBSTEP_TOLERANCE
         {
-            conditions.dt = previous.dt;
+            conditions.substep = previous.substep;
         }
         if self.conditions != Some(conditions) {
             self.conditions = Some(conditions);
-            self.observed_frames = params.sleep.map_or(1, |sleep| sleep.frames(conditions.dt));
             self.wake_all();
         }
     }
@@ -269,13 +308,14 @@ impl Sleep {
     /// Returns the maximum of all observed frames after the last of them; the caller then calls
     /// [`Sleep::set_at_rest`].
     pub(crate) fn observe(&mut self, i: usize, max_displacement: f32) -> Option<f32> {
+        let was_observed = self.observations[i].observed.is_some();
         self.count_frame(i);
-        let observed_frames = self.observed_frames;
-        let observation = &mut self.observations[i];
-        if observation.frames <= observed_frames {
-            observation.max_displacement = observation.max_displacement.max(max_displacement);
+        if was_observed {
+            return None;
         }
-        (observation.frames == observed_frames).then_some(observation.max_displacement)
+        let observation = &mut self.observations[i];
+        observation.max_displacement = observation.max_displacement.max(max_displacement);
+        observation.observed.map(|_| observation.max_displacement)
     }
 
     /// Measures before a frame whether an awake body that touches others has left its place.
@@ -283,27 +323,23 @@ impl Sleep {
     /// Contacts are found on the CPU, which has the positions of such bodies.
     pub(crate) fn measure(&mut self, i: usize, body: &Body, params: &SceneParams) {
         let Some(sleep) = &params.sleep else { return };
-        if !self.compares_positions() {
+        // The observation is too short to compare positions.
+        if sleep.frames(params.dt).saturating_add(SleepParams::LAG) <= LAST {
             return;
         }
-        let frames = self.observations[i].frames;
-        let time = f64::from(frames) * f64::from(params.dt);
+        let Observation { frames, time, .. } = self.observations[i];
         let (surface, edge) = (body.surface(), body.solver().mean_rest_length());
         let slow = sleep.limit(edge, &surface.bounds(), time);
         let limits = [slow, f64::max(slow, MAX_JITTER * edge)];
         self.drifts[i].measure(surface.positions(), frames, limits);
     }
 
-    /// Returns whether an observation is long enough to compare positions.
-    fn compares_positions(&self) -> bool {
-        self.observed_frames + SleepParams::LAG > LAST
-    }
-
     /// Records a frame of an awake body.
     pub(crate) fn count_frame(&mut self, i: usize) {
         self.drifts[i].end_frame();
-        let frames = &mut self.observations[i].frames;
-        *frames = (*frames + 1).min(self.observed_frames + SleepParams::LAG);
+        if let Some(sleep) = self.params() {
+            self.observations[i].count(&sleep, self.dt);
+        }
     }
 
     /// Returns the role of a body's next frame in its observation.
@@ -312,15 +348,21 @@ impl Sleep {
         if !is_enabled {
             return Step::Other;
         }
-        let observed_frames = self.observed_frames;
-        match self.observations[i].frames {
+        let Some(sleep) = self.params() else {
+            return Step::Other;
+        };
+        let observation = &self.observations[i];
+        let is_last = observation.observed.is_none() && observation.ends_after(&sleep, self.dt);
+        let decides = |observed| observation.frames + 1 == observed + SleepParams::LAG;
+        if observation.frames == 0 {
             // A single observed frame is both the first and the last one.
-            0 => Step::First {
-                is_last: observed_frames == 1,
-            },
-            n if n + 1 == observed_frames => Step::LastObserved,
-            n if n + 1 == observed_frames + SleepParams::LAG => Step::Decision,
-            _ => Step::Other,
+            Step::First { is_last }
+        } else if is_last {
+            Step::LastObserved
+        } else if observation.observed.is_some_and(decides) {
+            Step::Decision
+        } else {
+            Step::Other
         }
     }
 
@@ -331,9 +373,15 @@ impl Sleep {
 
     /// Makes the bodies of an island be observed for the same time, that of the latest one.
     pub(crate) fn join(&mut self, members: &[usize]) {
-        let frames = members.iter().map(|&i| self.observations[i].frames).min();
+        let observations = members.iter().map(|&i| self.observations[i]);
+        let Some(latest) = observations.min_by_key(|observation| observation.frames) else {
+            return;
+        };
         for &i in members {
-            self.observations[i].frames = frames.unwrap_or_default();
+            let observation = &mut self.observations[i];
+            observation.frames = latest.frames;
+            observation.time = latest.time;
+            observation.observed = latest.observed;
         }
     }
 
@@ -341,8 +389,7 @@ impl Sleep {
     ///
     /// Otherwise restarts a completed observation.
     pub(crate) fn take_decision(&mut self, members: &[usize]) -> bool {
-        let until = self.observed_frames + SleepParams::LAG;
-        let is_over = |&i: &usize| self.observations[i].frames >= until;
+        let is_over = |&i: &usize| self.observations[i].is_over();
         if !members.iter().all(is_over) {
             return false;
         }

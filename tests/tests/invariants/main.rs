@@ -11,6 +11,7 @@ mod exact_series;
 mod exact_special;
 mod exact_transforms;
 mod examples;
+mod free_motion;
 mod generated;
 mod incision_momentum;
 mod incision_paths;

@@ -26,9 +26,7 @@ fn run(threads: usize, body: &Surface, material: &Material) -> Bits {
         .expect("threads can be started");
     pool.install(|| {
         let mut scene = Scene::new(SceneParams {
-            solver: SolverParams {
-                ..SolverParams::paper()
-            },
+            solver: SolverParams::paper(),
             ..SceneParams::default()
         });
         scene.colliders.push(Collider::ground(-0.52));

@@ -82,10 +82,7 @@ fn pins_hold_and_follow_their_targets() {
     let v = VertexId(1);
     solver.pin(&mut surface, v).unwrap();
     let place = surface.positions()[v.index()];
-    let params = SolverParams {
-        ..SolverParams::paper()
-    }
-    .with_substeps(1.0 / 60.0, 3);
+    let params = SolverParams::paper().with_substeps(1.0 / 60.0, 3);
     for _ in 0..60 {
         solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
     }

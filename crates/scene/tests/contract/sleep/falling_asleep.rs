@@ -115,8 +115,36 @@ fn a_slow_body_far_from_the_origin_stays_awake() {
 }
 
 #[test]
-fn a_jittering_frame_time_wakes_no_body() {
+fn frames_of_any_time_are_observed_for_the_same_time() {
     let mut scene = Scene::new(weightless());
+    let id = scene
+        .add_body(exact_tetrahedron(0.0), &stretch_only())
+        .unwrap();
+    let times = [60.0, 30.0, 240.0, 144.0, 20.0].map(|rate: f32| rate.recip());
+    let sleep = scene.params.sleep.unwrap();
+    let (mut time, mut more) = (0.0, 0);
+    for dt in times.into_iter().cycle() {
+        scene.params.dt = dt;
+        scene.step().unwrap();
+        more += u32::from(time >= f64::from(sleep.seconds));
+        time += f64::from(dt);
+        let is_over = more == SleepParams::LAG;
+        assert_eq!(scene.is_asleep(id).unwrap(), is_over, "after {time} s");
+        if is_over {
+            break;
+        }
+    }
+    for dt in times {
+        scene.params.dt = dt;
+        assert_eq!(counts(scene.step().unwrap()), [1, 0, 0], "frames of {dt} s");
+    }
+}
+
+#[test]
+fn jittering_substeps_wake_no_body() {
+    let mut params = weightless();
+    params.solver.substep = None;
+    let mut scene = Scene::new(params);
     let id = scene
         .add_body(exact_tetrahedron(0.0), &stretch_only())
         .unwrap();
@@ -128,5 +156,8 @@ fn a_jittering_frame_time_wakes_no_body() {
     assert!(scene.is_asleep(id).unwrap(), "after {UNTIL_ASLEEP} frames");
     scene.params.dt = dt * 2.0;
     scene.step().unwrap();
-    assert!(!scene.is_asleep(id).unwrap(), "in frames of twice the time");
+    assert!(
+        !scene.is_asleep(id).unwrap(),
+        "in substeps of twice the time"
+    );
 }

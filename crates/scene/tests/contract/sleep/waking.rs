@@ -37,7 +37,7 @@ fn changed_parameters_wake_all_bodies() {
     let changes: [fn(&mut SceneParams); 5] = [
         |p| p.solver.gravity = [0.0, -1.0, 0.0],
         |p| p.solver.iterations += 1,
-        |p| p.dt *= 0.5,
+        |p| p.solver.substep = None,
         |p| p.contacts = Some(ContactParams::default()),
         |p| p.sleep = None,
     ];
