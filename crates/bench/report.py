@@ -67,7 +67,7 @@ SCHEMES = {
     "patches": "rigid patches",
 }
 # Scheme, substeps and iterations of the solver's defaults.
-DEFAULTS = ("xpbd-half", 16, 1)
+DEFAULTS = ("xpbd-half", 12, 1)
 TARGETS = (1e-1, 1e-2, 1e-3, 1e-4)
 BUDGETS = (1, 4, 8, 16)
 # An error of at most this many times that of a new factor is as good.

@@ -18,6 +18,7 @@ use crate::output::Output;
 use clap::{Args, ValueEnum};
 use convergence::{Convergence, Exact, FLOOR_SUBSTEPS};
 use error::Errors;
+use incise_pbd_gpu::SolverParams;
 use incise_reference::ReferenceError;
 use incise_scene::BackendChoice;
 use run::Run;
@@ -43,7 +44,8 @@ pub(crate) struct AccuracyArguments {
     only: Vec<String>,
     #[command(flatten)]
     backends: BackendArguments,
-    /// Largest number of substeps and of iterations; all powers of two up to it run.
+    /// Largest number of substeps and of iterations; all powers of two up to it run, and the
+    /// default number of substeps.
     #[arg(
         long,
         value_name = "N",
@@ -156,7 +158,8 @@ pub(crate) fn run(
         false => None,
     };
     let names = named(scenes::NAMES.to_vec(), |name| name, &arguments.only)?;
-    let ways = Scheme::value_variants().len() * powers(arguments.most).len() * backends.len();
+    let ways =
+        Scheme::value_variants().len() * substep_counts(arguments.most).len() * backends.len();
     output.start(names.len(), ways as u64);
     for name in names {
         output.progress.begin(name);
@@ -176,6 +179,16 @@ pub(crate) fn run(
 /// Returns the powers of two up to `most`.
 fn powers(most: u32) -> Vec<u32> {
     (0..).map(|k| 1 << k).take_while(|&n| n <= most).collect()
+}
+
+/// Returns the numbers of substeps up to `most` that run: powers of two, and the default.
+fn substep_counts(most: u32) -> Vec<u32> {
+    let mut counts = powers(most);
+    counts.push(SolverParams::default().substeps(DT));
+    counts.retain(|&n| n <= most);
+    counts.sort_unstable();
+    counts.dedup();
+    counts
 }
 
 /// Returns the points that no other is both faster and more accurate than, by time.
@@ -249,9 +262,12 @@ impl<'a> SceneRuns<'a> {
             Some(device) => output.set_backend("gpu", Some(device.name())),
             None => output.set_backend("cpu", None),
         }
-        let numbers = powers(self.arguments.most);
+        let (numbers, counts) = (
+            powers(self.arguments.most),
+            substep_counts(self.arguments.most),
+        );
         let schemes = Scheme::value_variants().iter();
-        let both = schemes.flat_map(|scheme| numbers.iter().map(move |n| (*scheme, *n)));
+        let both = schemes.flat_map(|scheme| counts.iter().map(move |n| (*scheme, *n)));
         let mut points = Vec::new();
         for (scheme, substeps) in both {
             output.progress.step();

@@ -59,7 +59,7 @@ def paper_table(
 
     Two runs of `seconds` simulated seconds: the solver alone (PBD), and with a blade that slices
     the largest piece once a second (PBD+CS). The scene is weightless and has the paper's solver,
-    one substep of ten iterations. Frame rates count wall time of `Scene.step`.
+    one substep of ten projections. Frame rates count wall time of `Scene.step`.
 
     This is a loop over `Scene`, not `incise-bench table` itself, whose program is no part of the
     wheel: seeded directions differ, so do the cuts, and errors are not measured. Large models take

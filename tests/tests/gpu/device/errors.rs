@@ -189,7 +189,7 @@ fn too_short(context: &Context) {
     let text = "@group(0) @binding(0) var<storage, read_write> state: array<u32>;
         @compute @workgroup_size(1) fn main() {
             var x = state[0];
-            for (var i = 0u; i < 1u << 29u; i++) { x = x * 1664525u + 1013904223u; }
+            for (var i = 0u; i < 1u << 31u; i++) { x = x * 1664525u + 1013904223u; }
             state[0] = x;
         }";
     let module = shader(context, text).expect("it is correct");
