@@ -19,7 +19,7 @@ use crate::clock::timed;
 use crate::failure::Failure;
 use crate::pieces::{self, Written};
 use crate::reporter::Reporter;
-use bodies::{Bodies, Input, Stage};
+use bodies::{Bodies, Input, StartBounds};
 use clap::ValueEnum;
 use incise_mesh::Surface;
 use incise_scene::{BackendChoice, BackendRequest, Scene, SceneParams};
@@ -127,7 +127,7 @@ pub(crate) fn run(
     let params = file.scene_params()?;
     let mut scene = new_scene(&file, params, origin, &inputs)?;
     let mut recording = Recording::new(&file);
-    let stage = Stage::new(&surfaces);
+    let start = StartBounds::new(&surfaces);
     let (simulate, bodies) = timed(|| {
         let bodies = Bodies::add(&mut scene, &inputs, surfaces, &materials)?;
         step(
@@ -144,7 +144,7 @@ pub(crate) fn run(
     let backend = scene.backend_report();
     let cut_surfaces = bodies.surfaces(&mut scene)?;
     let seconds = f64::from(file.frames()) * file.dt;
-    stage.check(&cut_surfaces, params.solver.gravity, seconds)?;
+    start.check(&cut_surfaces, params.solver.gravity, seconds)?;
     let (write, written) = timed(|| write_pieces(&file.output, &cut_surfaces, reporter));
     let written = written?;
     #[cfg(feature = "gpu")]

@@ -44,8 +44,9 @@ pub(crate) struct AccuracyArguments {
     only: Vec<String>,
     #[command(flatten)]
     backends: BackendArguments,
-    /// Largest number of substeps and of iterations; all powers of two up to it run, and the
-    /// default number of substeps.
+    /// Largest number of substeps and of iterations.
+    ///
+    /// All powers of two up to it run, and the default number of substeps.
     #[arg(
         long,
         value_name = "N",

@@ -225,7 +225,7 @@ typedef struct {
    */
   float spring_density;
   /*
-   Rate at which velocities decay, in 1/s.
+   Decay rate of velocities relative to the rigid motion of a piece, in 1/s.
    */
   float damping;
   /*
@@ -558,7 +558,7 @@ typedef struct {
    */
   float substep;
   /*
-   Iterations per substep; each one projects every constraint forward and back.
+   Iterations per substep; each one projects edges, hinges and springs forward and back.
    */
   uint32_t iterations;
   /*

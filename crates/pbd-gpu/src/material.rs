@@ -27,8 +27,8 @@ incise_params::variants! {
     values {
         /// Stiffness `k` of position based dynamics, 0 to 1.
         ///
-        /// All `n` iterations of a substep together remove the fraction `k` of the error; one
-        /// projection removes `1 - (1 - k)^(1/n)` (Mueller et al. 2007, section 3.3).
+        /// All `n` projections of a substep, two per iteration, remove the fraction `k` of the
+        /// error; one removes `1 - (1 - k)^(1/n)` (Mueller et al. 2007, section 3.3).
         Pbd(f32) = "stiffness", range: Range::FRACTION;
         /// Inverse stiffness of XPBD; 0 is rigid.
         ///
@@ -98,7 +98,9 @@ incise_params::params! {
         volume: Option<Volume> = None;
         /// Springs through the body. `None` costs nothing.
         interior_springs: Option<InteriorSprings> = None;
-        /// Rate at which velocities decay; bodies rebound less with it.
+        /// Decay rate of velocities relative to the rigid motion of a piece.
+        ///
+        /// Bodies rebound less with it. It damps no fall, spin, roll or slide.
         damping: f32 = 0.0, range: Range::NOT_NEGATIVE, unit: "1/s";
         /// Coulomb friction coefficient against colliders and contacts.
         friction: f32 = 0.5, range: Range::NOT_NEGATIVE;

@@ -10,8 +10,8 @@ pub(crate) struct Particles {
     pub(crate) mass: Vec<f32>,
     /// Velocity [m/s], last component 0, shape [vertex slots].
     pub(crate) velocities: Vec<[f32; 4]>,
-    /// Displacement by constraints, without contacts and colliders, in the last substep \[m\], last
-    /// component 0, shape [vertex slots].
+    /// Internal displacement of the last substep, by constraints without contacts, colliders and
+    /// attachments \[m\], last component 0, shape [vertex slots].
     pub(crate) corrections: Vec<[f32; 4]>,
     /// Pinned vertices, ascending.
     pub(crate) pins: Vec<Pin>,

@@ -178,7 +178,7 @@ impl Solver {
 
     /// Returns the substeps of a frame of `dt` \[s\], and the time that it leaves in substeps.
     pub(crate) fn substeps_of(&self, dt: f32, params: &SolverParams) -> (Substeps, f64) {
-        Substeps::of_frame(self.step.time_left, dt, params)
+        Substeps::for_frame(self.step.time_left, dt, params)
     }
 
     /// Prepares the guard of a frame; `None` without one. `has_contacts` counts those of an island.

@@ -13,7 +13,10 @@ pub enum ReferenceError {
         k: f32,
     },
     /// Damping of a material, which acts once a frame and not in a substep.
-    #[error("a damping of {damping}/s acts between substeps; take 0, and damp the model instead")]
+    #[error(
+        "a damping of {damping}/s slows motion relative to rigid motion, which the reference does \
+         not have; take 0, or the drag `Model::damping`"
+    )]
     Damping {
         /// The damping [1/s].
         damping: f32,

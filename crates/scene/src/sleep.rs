@@ -89,7 +89,7 @@ const SUBSTEP_TOLERANCE: f32 = 0.2;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Conditions {
-    /// Fixed duration of a substep, or that of a frame \[s\].
+    /// Length of a substep; that of a frame if it is not fixed \[s\].
     substep: f32,
     solver: SolverParams,
     contacts: Option<ContactParams>,

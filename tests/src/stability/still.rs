@@ -1,4 +1,4 @@
-//! Bodies that nothing moves, or only gravity: no mesh, material or time step may add energy.
+//! Undisturbed bodies: no mesh, material or time step may add energy.
 //!
 //! Every mesh is at rest, spins, hangs from its highest vertex and falls onto the ground, with
 //! materials, sizes and sequences of frames in rotation.

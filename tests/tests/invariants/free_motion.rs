@@ -1,4 +1,4 @@
-//! A body that nothing disturbs flies on for ever, and moves alike at every frame rate.
+//! Checks that free bodies keep momentum and energy, and move alike at every frame rate.
 
 #![expect(
     clippy::cast_possible_truncation,

@@ -65,16 +65,16 @@ fn shift(surface: &mut Surface, by: Vec3) {
     }
 }
 
-/// The box of all bodies at the start, beyond which no body may fly.
-pub(super) struct Stage(Aabb);
+/// Bounding box of all bodies at the start.
+pub(super) struct StartBounds(Aabb);
 
-/// Maximum distance from the center of the stage, beyond a free fall \[diagonals of the stage\].
+/// Maximum distance from the center of the box, beyond a free fall \[diagonals of the box\].
 ///
 /// A rebound rises by one at most; moving pins and colliders throw bodies farther.
 const MAX_FLIGHT: f64 = 100.0;
 
-impl Stage {
-    /// Returns the stage of bodies before the first frame.
+impl StartBounds {
+    /// Returns the box of bodies before the first frame.
     pub(super) fn new(surfaces: &[Surface]) -> Self {
         let corners = surfaces.iter().map(Surface::bounds);
         Self(Aabb::around(
@@ -82,7 +82,7 @@ impl Stage {
         ))
     }
 
-    /// Refuses bodies that have left the stage after a run of `seconds` with `gravity` [m/s^2].
+    /// Refuses bodies that have left the box after a run of `seconds` with `gravity` [m/s^2].
     pub(super) fn check(
         &self,
         surfaces: &[(&Surface, &Path)],

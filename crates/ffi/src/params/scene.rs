@@ -23,7 +23,7 @@ pub struct SceneParams {
     pub gravity: [f32; 3],
     /// Length of a substep in seconds; 0 for one substep per frame.
     pub substep: f32,
-    /// Iterations per substep; each one projects every constraint forward and back.
+    /// Iterations per substep; each one projects edges, hinges and springs forward and back.
     pub iterations: u32,
     /// Maximum number of threads; 0 for all. The results do not depend on it.
     pub threads: u32,
@@ -173,7 +173,7 @@ pub struct Material {
     pub spring: f32,
     /// Fraction of vertices with a spring of their own, 0 to 1.
     pub spring_density: f32,
-    /// Rate at which velocities decay, in 1/s.
+    /// Decay rate of velocities relative to the rigid motion of a piece, in 1/s.
     pub damping: f32,
     /// Coulomb friction coefficient.
     pub friction: f32,

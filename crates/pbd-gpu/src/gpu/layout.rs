@@ -94,10 +94,12 @@ pub(crate) const HAS_CONTACTS: u32 = 256;
 pub(crate) const IS_UNLIMITED: u32 = 512;
 
 /// Flag of a body whose elastic energy is measured at the end of the frame.
-pub(crate) const RENEWS: u32 = 1024;
+pub(crate) const MEASURES_ELASTIC_ENERGY: u32 = 1024;
 
-/// Entries of a piece of the guard: first vertex in the list and number of vertices; the motion
-/// at the start of the frame; that at its end and its change.
+/// Entries of a piece of the guard.
+///
+/// First vertex in the list and number of vertices; motion at the start of the frame; motion at its
+/// end and its change.
 pub(crate) const GUARD_ENTRIES: usize = 18;
 
 /// Inverse mass of an unused slot, which does not move.
@@ -290,7 +292,7 @@ gpu_struct! {
         first_guard: u32,
         guard_pieces: u32,
         /// Factor of the velocities relative to rigid motions per frame, from damping.
-        kept: f32,
+        damping_factor: f32,
         /// Factor of the slack beyond the elastic energy, if that is measured in the frame.
         relaxation: f32,
     }

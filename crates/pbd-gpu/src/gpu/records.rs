@@ -2,8 +2,8 @@
 
 use super::layout::{
     BodyRecord, CONSERVES, Entry, FrameUniform, HAS_CONTACTS, IS_DRIVEN, IS_GUARDED, IS_PRESSED,
-    IS_UNLIMITED, KEEPS_BENDING, KEEPS_INTERIOR_SPRINGS, KEEPS_STRETCH, KEEPS_VOLUME, Motion,
-    PATCH_LAYERS, RENEWS, UNUSED,
+    IS_UNLIMITED, KEEPS_BENDING, KEEPS_INTERIOR_SPRINGS, KEEPS_STRETCH, KEEPS_VOLUME,
+    MEASURES_ELASTIC_ENERGY, Motion, PATCH_LAYERS, UNUSED,
 };
 use super::volumes::VolumePlaces;
 use crate::constraints::attachments::LongRangeAttachment;
@@ -127,7 +127,7 @@ pub(super) fn body_record(
             | flag(has(|guard| guard.is_driven), IS_DRIVEN)
             | flag(has(|guard| guard.has_contacts), HAS_CONTACTS)
             | flag(has(|guard| guard.is_unlimited), IS_UNLIMITED)
-            | flag(relaxation.is_some(), RENEWS),
+            | flag(relaxation.is_some(), MEASURES_ELASTIC_ENERGY),
         first_run: places.first_run,
         stretch_colors: places.stretch_colors,
         bending_colors: places.bending_colors,
@@ -153,7 +153,7 @@ pub(super) fn body_record(
         planes: places.planes,
         first_guard: places.first_guard,
         guard_pieces: places.guard_pieces,
-        kept: guard.map_or(1.0, |guard| guard.kept),
+        damping_factor: guard.map_or(1.0, |guard| guard.damping_factor),
         relaxation: relaxation.unwrap_or_default(),
     }
 }

@@ -1,5 +1,4 @@
-//! Steps all bodies by one frame, with a submission for those of equally many substeps and
-//! iterations.
+//! Steps all bodies by one frame, with a submission for those with the same plan.
 
 use super::backend::{FRAMES_IN_FLIGHT, GpuBackend, GpuBody, find_mut};
 use super::error::GpuError;
@@ -27,8 +26,8 @@ impl GpuBackend {
     /// Submits one frame of `dt` \[s\] for the bodies and returns without waiting for it.
     ///
     /// Blocks while three submissions are in flight. Each body is stepped independently. Bodies
-    /// that need more [substeps](SolverParams::substeps) or [iterations](SolverParams::iterations)
-    /// have a submission of their own.
+    /// with the same number and length of [substeps](SolverParams::substeps), with contacts or
+    /// without, share a submission.
     ///
     /// # Errors
     /// [`GpuError`] if a parameter is out of range, a body is unknown, has another solver or was

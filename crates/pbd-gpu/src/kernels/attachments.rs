@@ -13,7 +13,7 @@ pub(crate) const RETURN: f32 = 0.05;
 
 /// Projects vertices whose distance from their anchor exceeds the attachment's length.
 ///
-/// `corrections`, the displacements by constraints, lose the pulls, which act on one side only;
+/// `corrections`, the internal displacements, exclude the pulls, which act on one side only;
 /// empty without a lift. Vertices move straight toward the anchor, to that length. If the
 /// distance exceeded the length at the start of a substep of `h` \[s\], it is instead limited to
 /// that distance, reduced at rate [`RETURN`]. Anchors do not move, and no two attachments share a

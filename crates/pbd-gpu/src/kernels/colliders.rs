@@ -32,7 +32,7 @@ pub(crate) struct ColliderPass {
 ///
 /// What is left of the friction of earlier passes also holds vertices that only touch a collider.
 /// The fourth component of the velocity holds the remaining friction bound \[m\]; it is 0 before
-/// the first pass. `corrections`, the displacements by constraints, lose the pushes; empty without
+/// the first pass. `corrections`, the internal displacements, exclude the pushes; empty without
 /// a lift. Returns whether a vertex was in a collider.
 #[inline(never)]
 pub(crate) fn colliders(

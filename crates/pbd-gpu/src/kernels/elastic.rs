@@ -11,8 +11,8 @@ use crate::constraints::batches::{BendingSet, ConstraintSet, StretchSet};
 use crate::step::constants::{Projection, StepConstants};
 use incise_mesh::VertexId;
 
-/// Units of the fixed-point sum in the largest energy; 2^20 constraints fit into 32 bits.
-pub(crate) const UNITS: f32 = 4096.0;
+/// Units of the fixed-point sum in the largest energy, as many as 32-bit numbers resolve.
+pub(crate) const UNITS: f32 = 16_777_216.0;
 
 /// The constraints that store energy.
 #[derive(Debug, Clone, Copy)]
@@ -22,8 +22,9 @@ pub(crate) struct ElasticSets<'a> {
     pub(crate) interior_springs: Option<&'a StretchSet>,
 }
 
-/// Returns the elastic energy of a body \[J\]; the fourth component of positions is the inverse
-/// mass.
+/// Returns the elastic energy of a body \[J\].
+///
+/// The fourth component of positions is the inverse mass.
 pub(crate) fn elastic_energy(
     positions: &[[f32; 4]],
     sets: ElasticSets<'_>,
@@ -53,9 +54,15 @@ pub(crate) fn elastic_energy(
         return 0.0;
     }
     let scale = UNITS / largest;
-    let mut sum = 0_u32;
-    all(&mut |energy| sum = sum.saturating_add(units(energy * scale)));
-    sum as f32 * (largest / UNITS) * (0.5 / (constants.h * constants.h))
+    let mut sum = 0_u64;
+    all(&mut |energy| sum += u64::from(units(energy * scale)));
+    to_f32(sum) * (largest / UNITS) * (0.5 / (constants.h * constants.h))
+}
+
+/// Returns a sum of units, rounded as GPUs do, which have its halves.
+#[expect(clippy::cast_possible_truncation, reason = "the low half")]
+fn to_f32(sum: u64) -> f32 {
+    (sum >> 32) as f32 * 4_294_967_296.0 + sum as u32 as f32
 }
 
 /// Returns a number from 0 to [`UNITS`] as a whole one.
@@ -92,10 +99,10 @@ fn of_edge(
 
 /// Returns the energy of an error of a constraint with the weight `w`, times `2 h^2`.
 fn energy(error: f32, weight: f32, by: Projection, kept: f32) -> f32 {
-    let soft = by.alpha * kept;
-    let under = if soft > weight { soft } else { weight };
+    let alpha = by.alpha * kept;
+    let denominator = if alpha > weight { alpha } else { weight };
     if weight > 0.0 {
-        by.factor * (error * error / under)
+        by.factor * (error * error / denominator)
     } else {
         0.0
     }

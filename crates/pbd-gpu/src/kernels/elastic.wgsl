@@ -1,23 +1,28 @@
 // WGSL counterpart of `elastic.rs`: the elastic energy of a body.
 
-// Bits of the largest energy of a constraint, and the sum in fixed point.
+// Bits of the largest energy of a constraint, and the sum in fixed point: low and high half.
 var<workgroup> largest_energy: atomic<u32>;
 var<workgroup> energy_units: atomic<u32>;
+var<workgroup> energy_carries: atomic<u32>;
 
 // Adds the energy of a constraint to the largest one, or to the sum in units of 1 / scale.
 fn add_energy(energy: f32, scale: f32) {
     if (scale == 0.0) {
         atomicMax(&largest_energy, bitcast<u32>(energy));
     } else {
-        atomicAdd(&energy_units, u32(ceil(energy * scale)));
+        let units = u32(ceil(energy * scale));
+        let before = atomicAdd(&energy_units, units);
+        if (before + units < before) {
+            atomicAdd(&energy_carries, 1u);
+        }
     }
 }
 
 // Returns the energy of an error of a constraint with a weight, times 2 h^2.
 fn energy_of(error: f32, weight: f32, by: Projection) -> f32 {
-    let soft = by.alpha * (1.0 - frame.lift);
-    let under = select(weight, soft, soft > weight);
-    return select(0.0, by.factor * (error * error / under), weight > 0.0);
+    let alpha = by.alpha * (1.0 - frame.lift);
+    let denominator = select(weight, alpha, alpha > weight);
+    return select(0.0, by.factor * (error * error / denominator), weight > 0.0);
 }
 
 fn edge_energy(a: u32, b: u32, rest: f32, by: Projection) -> f32 {
@@ -101,6 +106,7 @@ fn elastic_energy(body: Body, lane: u32) -> f32 {
     if (lane == 0u) {
         atomicStore(&largest_energy, 0u);
         atomicStore(&energy_units, 0u);
+        atomicStore(&energy_carries, 0u);
     }
     workgroupBarrier();
     add_all(body, lane, 0.0);
@@ -110,6 +116,7 @@ fn elastic_energy(body: Body, lane: u32) -> f32 {
         add_all(body, lane, UNITS / largest);
     }
     workgroupBarrier();
-    let units = f32(atomicLoad(&energy_units));
+    let low = f32(atomicLoad(&energy_units));
+    let units = f32(atomicLoad(&energy_carries)) * 4294967296.0 + low;
     return units * (largest / UNITS) * (0.5 / (frame.h * frame.h));
 }

@@ -1,7 +1,8 @@
 //! Prediction: Algorithm 1, lines 5 to 8, with `d = p - x` and a lift.
 //!
-//! The lift repeats a share `b` of the displacement `u` by which constraints moved a vertex in the
-//! last substep: `d = h v + b u`. Compliances are divided by `1 - b`, so that forces stay the same.
+//! The lift repeats a share `b` of the internal displacement `u` of the last substep, which is by
+//! constraints without contacts, colliders and attachments: `d = h v + b u`. Compliances are
+//! divided by `1 - b`, so that forces stay the same.
 //! An iteration reduces a mode of a body to `m`, an eigenvalue in \[0, 1\] of the product of
 //! projections. Its factor `g` per substep obeys `g^3 = m ((2 + b) g^2 - (1 + 2 b) g + b)`, which
 //! has no root beyond 1 for all `m` exactly if `b <= 1/2`.
@@ -12,8 +13,8 @@ use std::cell::Cell;
 
 /// Sets the predicted displacement of every vertex.
 ///
-/// `corrections`, empty without a lift, hold the displacement by constraints in the last substep
-/// \[m\]. They change to the negative displacement without the lift, to which
+/// `corrections`, empty without a lift, hold the internal displacement of the last substep \[m\].
+/// They change to the negative displacement without the lift, to which
 /// [`integrate`](super::integrate::integrate) adds the final one.
 #[inline(always)]
 pub(crate) fn predict(

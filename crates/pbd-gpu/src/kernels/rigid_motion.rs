@@ -10,8 +10,10 @@
 use super::volume::{CHUNK, tree};
 use incise_mesh::VertexId;
 
-/// Added to every moment of inertia, relative to their sum: a straight rod has none about its axis.
-pub(crate) const LEAST_INERTIA: f32 = 1e-6;
+/// Regularization of the inertia tensor, relative to its trace.
+///
+/// A straight rod has no moment of inertia about its axis.
+pub(crate) const MIN_INERTIA: f32 = 1e-6;
 
 /// Weight of all pins of a piece, relative to its mass.
 ///
@@ -34,11 +36,11 @@ pub(crate) struct RigidMotion {
     /// Velocity of the center [m/s].
     pub(crate) velocity: Vector,
     /// Angular momentum about the center [kg m^2/s].
-    pub(crate) momentum: Vector,
+    pub(crate) angular_momentum: Vector,
     /// Number of its pins.
-    pub(crate) pins: f32,
+    pub(crate) pin_count: f32,
     /// Kinetic energy of all vertices \[J\].
-    pub(crate) kinetic: f32,
+    pub(crate) kinetic_energy: f32,
     /// Moments of inertia xx, yy and zz, products xy, yz and zx with their signs [kg m^2].
     inertia: [f32; 6],
 }
@@ -52,7 +54,7 @@ impl RigidMotion {
     ///
     /// The fourth component of positions is the inverse mass, 0 for a pin.
     #[inline(always)]
-    pub(crate) fn of(
+    pub(crate) fn from_vertices(
         positions: &[[f32; 4]],
         velocities: &[[f32; 4]],
         vertices: &[VertexId],
@@ -91,7 +93,7 @@ impl RigidMotion {
             }
         }
         Self {
-            pins,
+            pin_count: pins,
             ..Self::from_sums(origin, sums)
         }
     }
@@ -125,16 +127,16 @@ impl RigidMotion {
         }
         let [cx, cy, cz] = [sx / mass, sy / mass, sz / mass];
         let velocity = [px / mass, py / mass, pz / mass];
-        let carried = cross([sx, sy, sz], velocity);
+        let of_center = cross([sx, sy, sz], velocity);
         let (xx, yy, zz) = (xx - cx * sx, yy - cy * sy, zz - cz * sz);
         Self {
             mass,
             origin,
             center: [cx, cy, cz],
             velocity,
-            momentum: [hx - carried[0], hy - carried[1], hz - carried[2]],
-            pins: 0.0,
-            kinetic: 0.5 * square,
+            angular_momentum: [hx - of_center[0], hy - of_center[1], hz - of_center[2]],
+            pin_count: 0.0,
+            kinetic_energy: 0.5 * square,
             inertia: [
                 yy + zz,
                 zz + xx,
@@ -148,9 +150,9 @@ impl RigidMotion {
 
     /// Returns the angular velocity of an angular momentum about the center [rad/s].
     #[inline(always)]
-    pub(crate) fn turn(&self, [x, y, z]: Vector) -> Vector {
+    pub(crate) fn angular_velocity(&self, [x, y, z]: Vector) -> Vector {
         let [xx, yy, zz, xy, yz, zx] = self.inertia;
-        let least = LEAST_INERTIA * (xx + yy + zz);
+        let least = MIN_INERTIA * (xx + yy + zz);
         let positive = |square: f32| if square > least { square } else { least };
         // Cholesky decomposition.
         let a = positive(xx + least).sqrt();
@@ -233,11 +235,11 @@ mod tests {
             })
             .collect();
         let vertices: Vec<VertexId> = (0..300).map(VertexId).collect();
-        let found = RigidMotion::of(&positions, &velocities, &vertices, false);
+        let found = RigidMotion::from_vertices(&positions, &velocities, &vertices, false);
         let free = positions.iter().filter(|x| x[3] > 0.0);
         let mass: f64 = free.clone().map(|x| 1.0 / f64::from(x[3])).sum();
         assert!((f64::from(found.mass) / mass - 1.0).abs() < 1e-6);
-        let omega = found.turn(found.momentum);
+        let omega = found.angular_velocity(found.angular_momentum);
         let center = [0, 1, 2].map(|k: usize| found.origin[k] + found.center[k] - about[k]);
         let along = cross(turn, center);
         for k in 0..3 {
@@ -255,7 +257,7 @@ mod tests {
                 square / f64::from(x[3]) / 2.0
             })
             .sum();
-        assert!((f64::from(found.kinetic) / kinetic - 1.0).abs() < 1e-6);
+        assert!((f64::from(found.kinetic_energy) / kinetic - 1.0).abs() < 1e-6);
     }
 
     #[test]
@@ -264,8 +266,8 @@ mod tests {
         let still = vec![[0.0; 4]; 5];
         let vertices: Vec<VertexId> = (0..5).map(VertexId).collect();
         for count in [1, 5] {
-            let found = RigidMotion::of(&rod, &still, &vertices[..count], false);
-            let turn = found.turn([1e-3, 1.0, 2.0]);
+            let found = RigidMotion::from_vertices(&rod, &still, &vertices[..count], false);
+            let turn = found.angular_velocity([1e-3, 1.0, 2.0]);
             assert!(turn.iter().all(|c| c.is_finite()), "{turn:?}");
         }
     }

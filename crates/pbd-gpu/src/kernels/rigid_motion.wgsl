@@ -5,9 +5,9 @@ struct RigidMotion {
     origin: vec3f,
     center: vec3f,
     velocity: vec3f,
-    momentum: vec3f,
-    pins: f32,
-    kinetic: f32,
+    angular_momentum: vec3f,
+    pin_count: f32,
+    kinetic_energy: f32,
     // xx, yy and zz, then xy, yz and zx.
     moments: vec3f,
     products: vec3f,
@@ -88,7 +88,7 @@ fn measure_piece(list: vec2u, has_pins: bool, lane: u32) -> RigidMotion {
     }
     var motion = RigidMotion();
     motion.origin = origin;
-    motion.pins = pins;
+    motion.pin_count = pins;
     let mass = sums[0].x;
     if (mass == 0.0) {
         return motion;
@@ -102,8 +102,8 @@ fn measure_piece(list: vec2u, has_pins: bool, lane: u32) -> RigidMotion {
     motion.mass = mass;
     motion.center = c;
     motion.velocity = velocity;
-    motion.momentum = sums[2].xyz - cross_product(s, velocity);
-    motion.kinetic = 0.5 * sums[1].w;
+    motion.angular_momentum = sums[2].xyz - cross_product(s, velocity);
+    motion.kinetic_energy = 0.5 * sums[1].w;
     motion.moments = vec3f(yy + zz, zz + xx, xx + yy);
     motion.products = vec3f(
         c.x * s.y - sums[3].z,
@@ -118,9 +118,9 @@ fn at_least(number: f32, least: f32) -> f32 {
 }
 
 // Returns the angular velocity of an angular momentum about the center.
-fn turn_of(motion: RigidMotion, momentum: vec3f) -> vec3f {
+fn angular_velocity_of(motion: RigidMotion, momentum: vec3f) -> vec3f {
     let m = motion.moments;
-    let least = LEAST_INERTIA * (m.x + m.y + m.z);
+    let least = MIN_INERTIA * (m.x + m.y + m.z);
     let a = sqrt(at_least(m.x + least, least));
     if (a == 0.0) {
         return vec3f();

@@ -92,7 +92,7 @@ impl Solver {
         })
     }
 
-    /// Changes the decay rate of velocities [1/s] from the next frame on.
+    /// Changes [`Material::damping`] [1/s] from the next frame on.
     ///
     /// # Errors
     /// [`ConstraintError`] if the number is out of range; nothing is changed then.

@@ -13,7 +13,7 @@ use nalgebra::Matrix3;
 /// Maximum number of damped frames.
 const MAX_FRAMES: u32 = 30;
 
-/// Rate at which velocities decay in damped frames [1/s].
+/// Decay rate of velocities relative to rigid pieces in damped frames [1/s].
 const DAMPING: f32 = 60.0;
 
 /// Displacement per substep below which damped frames end [mean rest edge lengths].

@@ -52,9 +52,9 @@ impl Solver {
         Ok(())
     }
 
-    /// Copies masses, velocities and pins of another solver, and what its substeps hand on.
+    /// Copies masses, velocities, pins and the state between substeps of another solver.
     ///
-    /// `pairs` has its vertices, ascending, and those of this one.
+    /// `pairs` are vertices of the other solver, ascending, each with one of this solver.
     ///
     /// # Errors
     /// [`ConstraintError::UnknownVertex`] for a vertex that one of both lacks.

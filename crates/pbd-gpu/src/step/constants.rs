@@ -78,8 +78,8 @@ pub struct Projection {
     pub alpha: f32,
     /// As in [`SolverParams`](crate::SolverParams).
     pub diagonal_scale: f32,
-    /// Whether multipliers accumulate over the iterations of a substep. A single iteration or a
-    /// rigid constraint needs none.
+    /// Whether multipliers accumulate over the iterations of a substep. A rigid constraint
+    /// needs none, nor does a volume in a single iteration.
     pub accumulates_lambda: bool,
     /// Maximum correction of an angle's old error in a substep \[rad\]; bending only.
     ///

@@ -1,18 +1,17 @@
-//! [`Guard`]: damping, momenta and an energy budget, once a frame.
+//! [`Guard`]: damps motion, restores momenta and limits the energy at the end of a frame.
 //!
 //! - Damping slows the motion of a piece relative to its rigid motion (Mueller et al. 2007, 3.5).
 //!   A body falls and spins as without it.
 //! - Without contacts, pins and collisions the momentum and angular momentum of a piece change by
 //!   gravity alone. Projections conserve them up to rounding, and up to the turn of directions in a
 //!   substep. The rest is restored.
-//! - The kinetic energy of a body and its energy of height may not grow beyond those at the start
-//!   of the frame and its slack: the work that its constraints have taken up and may give back.
-//!   What exceeds them is taken from the motion relative to the rigid one. Pinned pieces have no
-//!   momentum to keep: the rest is taken from their rigid motion.
+//! - The sum of kinetic and potential energy may grow by the slack of the body only: the energy
+//!   that its constraints store. The excess is taken from the motion relative to the rigid one.
+//!   Pinned pieces have no momentum to keep: the rest is taken from their rigid motion.
 //!
-//! The slack shrinks to the [elastic energy](elastic_energy) within [`RELAXATION`], since
-//! constraints dissipate the rest. It is unlimited while something does unknown work: moving pins
-//! and colliders, pressure, and compressible volumes, whose energy is not counted.
+//! The slack decays to the [elastic energy](elastic_energy) with the time constant [`RELAXATION`],
+//! since constraints dissipate the rest. It is unlimited while something does unknown work: moving
+//! pins and colliders, pressure, and compressible volumes, whose energy is not counted.
 
 use crate::constraints::pieces::PieceVertices;
 use crate::kernels::elastic::{ElasticSets, elastic_energy};
@@ -20,7 +19,7 @@ use crate::kernels::rigid_motion::{RigidMotion, cross};
 use crate::step::constants::StepConstants;
 use incise_mesh::VertexId;
 
-/// Time in which the slack approaches the elastic energy \[s\].
+/// Time constant of the decay of the slack to the elastic energy \[s\].
 const RELAXATION: f32 = 1.0;
 
 /// Time between two measurements of the elastic energy \[s\].
@@ -57,7 +56,7 @@ impl EnergyBudget {
         self.slack >= UNLIMITED
     }
 
-    /// Follows a frame on the GPU, which has the slack.
+    /// Advances the budget by a frame on the GPU, which has the slack.
     #[cfg(feature = "gpu")]
     pub(crate) fn follow(&mut self, inputs: &GuardInputs) {
         if !inputs.conserves {
@@ -71,13 +70,13 @@ impl EnergyBudget {
     }
 }
 
-/// What the guard of a body does in a frame.
+/// Inputs of the guard for one body and frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct GuardInputs {
     /// Constants of the first-order substeps of the frame.
     pub(crate) constants: StepConstants,
     /// Factor of the velocities relative to the rigid motion, from damping.
-    pub(crate) kept: f32,
+    pub(crate) damping_factor: f32,
     /// Whether to restore momenta and to limit the energy.
     pub(crate) conserves: bool,
     /// Whether the body has pins.
@@ -106,7 +105,7 @@ impl GuardInputs {
         let is_due = budget.is_unlimited() || age >= INTERVAL;
         (!is_idle).then_some(Self {
             constants: *constants,
-            kept: (-damping * time).exp(),
+            damping_factor: (-damping * time).exp(),
             conserves,
             has_pins: false,
             is_driven: false,
@@ -142,16 +141,16 @@ pub(crate) struct GuardedBody<'a> {
 /// The rigid motions of the pieces of an island, in memory reused between frames.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Guard {
-    /// Those at the start of the frame, body after body.
+    /// Rigid motions at the start of the frame, body after body.
     start: Vec<RigidMotion>,
-    /// The changes at its end.
+    /// Changes at the end of the frame.
     end: Vec<Change>,
     energies: Vec<Energies>,
 }
 
 /// The next of the measured bodies and pieces.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct GuardPlace {
+pub(crate) struct GuardCursor {
     body: usize,
     piece: usize,
 }
@@ -179,14 +178,14 @@ struct Energies {
     relative: f32,
     /// The part of the rigid energy that may be taken: that of pinned pieces.
     pinned: f32,
-    /// Change of the energy of height.
-    height: f32,
+    /// Change of the gravitational potential energy.
+    potential_change: f32,
 }
 
 impl Energies {
-    /// Returns the energy that a body has gained at the expense of its constraints.
+    /// Returns the increase of kinetic and potential energy in the frame \[J\].
     fn gain(&self) -> f32 {
-        ((self.rigid + self.relative) + self.height) - self.before
+        ((self.rigid + self.relative) + self.potential_change) - self.before
     }
 }
 
@@ -217,34 +216,36 @@ impl Guard {
         let first = self.end.len();
         for (start, vertices) in self.start[first..].iter().zip(body.pieces.iter()) {
             let motion = body.motion(vertices, inputs);
-            let turn = motion.turn(motion.momentum);
+            let turn = motion.angular_velocity(motion.angular_momentum);
             let mut change = Change {
                 motion,
                 turn,
                 velocity_change: [0.0; 3],
                 turn_change: [0.0; 3],
             };
-            let (mut velocity, mut momentum) = (motion.velocity, motion.momentum);
+            let (mut velocity, mut momentum) = (motion.velocity, motion.angular_momentum);
             let rigid = motion.rigid_energy(velocity, turn, momentum);
-            if inputs.conserves && is_free && motion.pins == 0.0 {
+            if inputs.conserves && is_free && motion.pin_count == 0.0 {
                 velocity = add(start.velocity, fall);
-                momentum = start.momentum;
+                momentum = start.angular_momentum;
                 change.velocity_change = subtract(velocity, motion.velocity);
-                change.turn_change = motion.turn(subtract(momentum, motion.momentum));
+                change.turn_change =
+                    motion.angular_velocity(subtract(momentum, motion.angular_momentum));
             }
-            let relative = motion.kinetic - rigid;
+            let relative = motion.kinetic_energy - rigid;
             let relative = if relative > 0.0 { relative } else { 0.0 };
             let moved = add(
                 subtract(motion.origin, start.origin),
                 subtract(motion.center, start.center),
             );
             energies.mass += motion.mass;
-            energies.before += start.kinetic;
+            energies.before += start.kinetic_energy;
             let rigid = motion.rigid_energy(velocity, add(turn, change.turn_change), momentum);
             energies.rigid += rigid;
-            energies.pinned += if motion.pins > 0.0 { rigid } else { 0.0 };
-            energies.relative += (inputs.kept * inputs.kept) * relative;
-            energies.height -= motion.mass * dot(constants.gravity_step, moved) / constants.h;
+            energies.pinned += if motion.pin_count > 0.0 { rigid } else { 0.0 };
+            energies.relative += (inputs.damping_factor * inputs.damping_factor) * relative;
+            energies.potential_change -=
+                motion.mass * dot(constants.gravity_step, moved) / constants.h;
             self.end.push(change);
         }
         self.energies.push(energies);
@@ -256,7 +257,7 @@ impl Guard {
     pub(crate) fn finish<'a>(
         &self,
         bodies: impl Iterator<Item = (GuardedBody<'a>, GuardInputs)>,
-        place: &mut GuardPlace,
+        place: &mut GuardCursor,
         count: usize,
         slack: f32,
     ) {
@@ -274,12 +275,12 @@ impl Guard {
         for ((mut body, inputs), energies) in bodies.zip(energies) {
             let changes = &self.end[place.piece..place.piece + body.pieces.len()];
             for (vertices, change) in body.pieces.iter().zip(changes) {
-                let rigid = if change.motion.pins > 0.0 {
+                let rigid = if change.motion.pin_count > 0.0 {
                     pinned_scale
                 } else {
                     1.0
                 };
-                let factors = [inputs.kept * scale, rigid];
+                let factors = [inputs.damping_factor * scale, rigid];
                 if !(factors == [1.0; 2] && change.is_none()) {
                     change.apply(body.positions, body.velocities, vertices, factors);
                 }
@@ -291,7 +292,7 @@ impl Guard {
                 0.0
             };
             if inputs.conserves {
-                body.renew(&inputs, slack * share);
+                body.update_budget(&inputs, slack * share);
             }
         }
         place.body += count;
@@ -338,11 +339,12 @@ impl Change {
                 let arm = subtract(subtract([x, y, z], origin), center);
                 let v = &mut velocities[v.index()];
                 let own = [v[0], v[1], v[2]];
-                let carried = add(velocity, cross(self.turn, arm));
-                let around = subtract(own, carried);
+                let rigid_velocity = add(velocity, cross(self.turn, arm));
+                let relative_velocity = subtract(own, rigid_velocity);
                 let restored = add(self.velocity_change, cross(self.turn_change, arm));
                 for k in 0..3 {
-                    let scaled = (relative - 1.0) * around[k] + (rigid - 1.0) * carried[k];
+                    let scaled =
+                        (relative - 1.0) * relative_velocity[k] + (rigid - 1.0) * rigid_velocity[k];
                     v[k] += scaled + restored[k];
                 }
             }
@@ -362,11 +364,11 @@ impl GuardedBody<'_> {
     /// Measures a piece.
     fn motion(&self, vertices: &[VertexId], inputs: &GuardInputs) -> RigidMotion {
         let (positions, velocities) = (self.positions, &*self.velocities);
-        RigidMotion::of(positions, velocities, vertices, inputs.has_pins)
+        RigidMotion::from_vertices(positions, velocities, vertices, inputs.has_pins)
     }
 
     /// Updates the budget after a frame that left `slack` \[J\].
-    fn renew(&mut self, inputs: &GuardInputs, slack: f32) {
+    fn update_budget(&mut self, inputs: &GuardInputs, slack: f32) {
         let (mut slack, mut age) = (slack, self.budget.age + inputs.time());
         if inputs.is_driven {
             (slack, age) = (UNLIMITED, 0.0);

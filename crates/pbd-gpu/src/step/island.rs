@@ -12,7 +12,7 @@ use crate::solver::Solver;
 use crate::step::backend::{NonFinite, StepScratch, execute};
 use crate::step::body::Body;
 use crate::step::constants::StepConstants;
-use crate::step::guard::{Guard, GuardInputs, GuardPlace};
+use crate::step::guard::{Guard, GuardCursor, GuardInputs};
 use crate::step::params::{Integrator, SolverParams, StepStats};
 use crate::step::prepare::{FrameInputs, both_orders};
 use crate::step::reach::{max_motion, reaches_colliders};
@@ -63,7 +63,7 @@ pub(crate) struct Member {
     pub(crate) reaches_colliders: bool,
     /// Whether a vertex was in a collider since the last execution began.
     pub(crate) meets_collider: bool,
-    /// The same since the frame began.
+    /// Whether a vertex was in a collider since the frame began.
     pub(crate) met_collider: bool,
     pub(crate) stats: StepStats,
 }
@@ -154,8 +154,8 @@ impl Island {
         #[cfg(not(feature = "global"))]
         let (params, short_substeps) = (params, &1);
         let short_substeps = *short_substeps;
-        // Bodies that were created at different times may have other times left, by less than a
-        // substep. In lockstep that of the first one holds for all.
+        // Bodies that were created at different times may have different remainders, by less
+        // than a substep. In lockstep that of the first one holds for all.
         let (substeps, time_left) = match bodies.first() {
             Some((first, _)) => first.substeps_of(dt, params),
             None => Default::default(),
@@ -412,7 +412,7 @@ fn end_guard(
         }
     }
     let size = if has_contacts { bodies.len() } else { 1 };
-    let mut place = GuardPlace::default();
+    let mut place = GuardCursor::default();
     for (bodies, members) in bodies
         .chunks_mut(size.max(1))
         .zip(members.chunks(size.max(1)))

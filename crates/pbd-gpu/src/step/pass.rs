@@ -34,8 +34,7 @@ impl ConstraintKind {
 /// layer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Pass {
-    /// Applies gravity and damping to velocities, and predicts displacements (Algorithm 1, lines 5
-    /// to 8).
+    /// Applies gravity to velocities and predicts displacements (Algorithm 1, lines 5 to 8).
     Predict,
     /// Moves pinned vertices towards their targets.
     Pins,

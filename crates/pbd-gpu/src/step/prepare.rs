@@ -20,7 +20,7 @@ use crate::step::substeps::Substeps;
 pub(crate) struct FrameInputs {
     /// Length of the frame \[s\].
     pub(crate) dt: f32,
-    /// Its substeps, not all of which may fit into it: some of their time is of the last frame.
+    /// Substeps of the frame. A part of their time may be left over from the last frame.
     pub(crate) substeps: Substeps,
     /// Whether the body may touch others in the frame.
     pub(crate) has_contacts: bool,

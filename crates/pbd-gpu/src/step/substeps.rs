@@ -49,7 +49,7 @@ impl Substeps {
         clippy::cast_sign_loss,
         reason = "parameters limit the number of substeps"
     )]
-    pub(crate) fn of_frame(time_left: f64, dt: f32, params: &SolverParams) -> (Self, f64) {
+    pub(crate) fn for_frame(time_left: f64, dt: f32, params: &SolverParams) -> (Self, f64) {
         let Some(h) = params.substep else {
             return (Self { count: 1, h: dt }, 0.0);
         };
@@ -88,7 +88,7 @@ pub(crate) struct Lengths {
 
 /// Returns the number of parts of each substep of `h` \[s\] of a body that a plane may carry.
 ///
-/// Those of others are whole.
+/// Substeps of other bodies are whole.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -144,12 +144,12 @@ mod tests {
         for (dt, count) in [(1.0 / 60.0, 12), (1.0 / 30.0, 24), (1.0 / 144.0, 5)] {
             let mut left = 0.0;
             for _ in 0..100_000 {
-                let (substeps, next) = Substeps::of_frame(left, dt, &params);
+                let (substeps, next) = Substeps::for_frame(left, dt, &params);
                 assert_eq!((substeps.count, substeps.h), (count, 1.0 / 720.0));
                 left = next;
             }
         }
-        let (whole, _) = Substeps::of_frame(0.0, 0.1, &SolverParams::paper());
+        let (whole, _) = Substeps::for_frame(0.0, 0.1, &SolverParams::paper());
         assert_eq!(whole, Substeps { count: 1, h: 0.1 });
     }
 
@@ -159,7 +159,7 @@ mod tests {
         let (mut left, mut time, mut count) = (0.0, 0.0, 0);
         for i in 0..10_000 {
             let dt = [1.0 / 75.0, 3e-4, 1.0 / 60.0, 0.1, 0.0123][i % 5];
-            let (substeps, next) = Substeps::of_frame(left, dt, &params);
+            let (substeps, next) = Substeps::for_frame(left, dt, &params);
             assert!((0.0..1.0).contains(&next));
             left = next;
             time += f64::from(dt);

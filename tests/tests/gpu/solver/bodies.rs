@@ -130,7 +130,7 @@ fn together_as_alone(context: Context) {
     let mut bodies: Vec<(Hosted, Hosted)> = (0..9).map(|_| double(&mut gpu)).collect();
     for frame in 0..8 {
         let rests = |i: usize| (i + frame).is_multiple_of(4);
-        // Those with a contact project lengths forward and back.
+        // Bodies with a contact have no lift, so they have another submission.
         for (i, (one, other)) in bodies.iter_mut().enumerate() {
             let topology = one.surface.topology();
             let far = topology.triangles().last().expect("a triangle");

@@ -64,8 +64,8 @@ fn begin_guard(
             store_vector(at + 1u, 0u, motion.origin);
             store_vector(at + 1u, 1u, motion.center);
             store_vector(at + 1u, 2u, motion.velocity);
-            store_vector(at + 1u, 3u, motion.momentum);
-            store_number(at + 1u, 12u, motion.kinetic);
+            store_vector(at + 1u, 3u, motion.angular_momentum);
+            store_number(at + 1u, 12u, motion.kinetic_energy);
         }
     }
 }
@@ -75,39 +75,39 @@ var<private> energy_before: f32;
 var<private> energy_rigid: f32;
 var<private> energy_pinned: f32;
 var<private> energy_relative: f32;
-var<private> energy_height: f32;
+var<private> energy_potential: f32;
 
 // Computes the change of a piece at an entry and adds its energies.
 fn end_piece(body: Body, at: u32, motion: RigidMotion, is_free: bool) {
-    let turn = turn_of(motion, motion.momentum);
+    let turn = angular_velocity_of(motion, motion.angular_momentum);
     var velocity = motion.velocity;
-    var momentum = motion.momentum;
+    var momentum = motion.angular_momentum;
     var velocity_change = vec3f();
     var turn_change = vec3f();
     let own = rigid_energy(motion.mass, velocity, turn, momentum);
-    if (is_free && motion.pins == 0.0 && is_guarded(body, CONSERVES)) {
+    if (is_free && motion.pin_count == 0.0 && is_guarded(body, CONSERVES)) {
         velocity = load_vector(at + 1u, 2u) + frame.gravity_step * f32(frame.substeps);
         momentum = load_vector(at + 1u, 3u);
         velocity_change = velocity - motion.velocity;
-        turn_change = turn_of(motion, momentum - motion.momentum);
+        turn_change = angular_velocity_of(motion, momentum - motion.angular_momentum);
     }
-    let other = motion.kinetic - own;
+    let other = motion.kinetic_energy - own;
     let relative = select(0.0, other, other > 0.0);
     let moved = (motion.origin - load_vector(at + 1u, 0u))
         + (motion.center - load_vector(at + 1u, 1u));
     energy_before += load_number(at + 1u, 12u);
     let rigid = rigid_energy(motion.mass, velocity, turn + turn_change, momentum);
     energy_rigid += rigid;
-    energy_pinned += select(0.0, rigid, motion.pins > 0.0);
-    energy_relative += (body.kept * body.kept) * relative;
-    energy_height -= motion.mass * dot_product(frame.gravity_step, moved) / frame.h;
+    energy_pinned += select(0.0, rigid, motion.pin_count > 0.0);
+    energy_relative += (body.damping_factor * body.damping_factor) * relative;
+    energy_potential -= motion.mass * dot_product(frame.gravity_step, moved) / frame.h;
     store_vector(at + 8u, 0u, motion.origin);
     store_vector(at + 8u, 1u, motion.center);
     store_vector(at + 8u, 2u, motion.velocity);
     store_vector(at + 8u, 3u, turn);
     store_vector(at + 8u, 4u, velocity_change);
     store_vector(at + 8u, 5u, turn_change);
-    store_number(at + 8u, 18u, motion.pins);
+    store_number(at + 8u, 18u, motion.pin_count);
 }
 
 fn scale_to_lose(excess: f32, energy: f32) -> f32 {
@@ -120,11 +120,11 @@ fn scale_to_lose(excess: f32, energy: f32) -> f32 {
 
 // Computes the factors of a body and its slack after the frame, without elastic energy.
 fn limit_energy(body: Body, slack: f32) -> f32 {
-    let gain = ((energy_rigid + energy_relative) + energy_height) - energy_before;
+    let gain = ((energy_rigid + energy_relative) + energy_potential) - energy_before;
     let excess = gain - slack;
     let scale = scale_to_lose(excess, energy_relative);
     let rigid = scale_to_lose(excess - energy_relative, energy_pinned);
-    factors = vec2f(body.kept * scale, rigid);
+    factors = vec2f(body.damping_factor * scale, rigid);
     let lost = (1.0 - scale * scale) * energy_relative + (1.0 - rigid * rigid) * energy_pinned;
     let left = slack + (lost - gain);
     return select(0.0, left, left > 0.0);
@@ -150,10 +150,10 @@ fn change_piece(at: u32, lane: u32) {
         if (x.w > 0.0) {
             let arm = (x.xyz - origin) - center;
             let own = motions[first_vertex + v].velocity.xyz;
-            let carried = velocity + cross_product(turn, arm);
-            let around = own - carried;
+            let rigid_velocity = velocity + cross_product(turn, arm);
+            let relative = own - rigid_velocity;
             let restored = velocity_change + cross_product(turn_change, arm);
-            let scaled = (factors.x - 1.0) * around + (rigid - 1.0) * carried;
+            let scaled = (factors.x - 1.0) * relative + (rigid - 1.0) * rigid_velocity;
             let end = own + (scaled + restored);
             motions[first_vertex + v].velocity = vec4f(end, 0.0);
         }
@@ -197,7 +197,7 @@ fn end_guard(
     }
     if (is_guarded(body, IS_DRIVEN)) {
         left = UNLIMITED;
-    } else if (is_guarded(body, RENEWS)) {
+    } else if (is_guarded(body, MEASURES_ELASTIC_ENERGY)) {
         let elastic = elastic_energy(body, lane);
         let relaxed = select(left, elastic + (left - elastic) * body.relaxation, left > elastic);
         left = select(relaxed, elastic, is_guarded(body, IS_UNLIMITED));
