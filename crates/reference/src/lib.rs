@@ -30,11 +30,11 @@
 //! ```
 //!
 //! with the prediction `y = x + h (v + h g) / (1 + damping h)`, and then `v' = (x' - x) / h`.
-//! `Model::damping` is a drag of `damping m v'`, unlike that of a material. The solver's projections
-//! approach the solution of these equations: XPBD (Macklin et al. 2016, equations 8 and 9) with both
-//! residuals zero. Projections solve the second equation only. The residual of the first goes to
-//! zero with the substep, not with the iterations (Chen et al., "Primal Extended Position Based
-//! Dynamics", 2023).
+//! `Model::damping` is a drag of `damping m v'`, unlike that of a material. The solver's
+//! projections approach the solution of these equations: XPBD (Macklin et al. 2016, equations 8
+//! and 9) with both residuals zero. Projections solve the second equation only. The residual of the
+//! first goes to zero with the substep, not with the iterations (Chen et al., "Primal Extended
+//! Position Based Dynamics", 2023).
 //!
 //! The method of multipliers solves rigid constraints to rounding, so compliance may be 0. Each
 //! step is Newton's method with line search; the Hessian of every constraint is projected to a

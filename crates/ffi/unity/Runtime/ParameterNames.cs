@@ -11,7 +11,7 @@ namespace Incise
         public const string SolverIterations = "solver.iterations";
         /// <summary>Length of a substep; `None` is one substep per frame, as long as the frame.</summary>
         public const string SolverSubstep = "solver.substep";
-        /// <summary>Share of the constraints' last displacement that the prediction of a substep repeats.</summary>
+        /// <summary>Share of the last internal displacement that the prediction of a substep repeats.</summary>
         public const string SolverLift = "solver.lift";
         /// <summary>Gravitational acceleration.</summary>
         public const string SolverGravity = "solver.gravity";
@@ -88,7 +88,7 @@ namespace Incise
         public const string InteriorSpringsDensity = "interior_springs.density";
         /// <summary>Stiffness of the springs.</summary>
         public const string InteriorSpringsStiffness = "interior_springs.stiffness";
-        /// <summary>Rate at which velocities decay; bodies rebound less with it.</summary>
+        /// <summary>Decay rate of velocities relative to the rigid motion of a piece.</summary>
         public const string Damping = "damping";
         /// <summary>Coulomb friction coefficient against colliders and contacts.</summary>
         public const string Friction = "friction";
