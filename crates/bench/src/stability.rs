@@ -34,7 +34,9 @@ pub(crate) struct StabilityArguments {
     /// Folder of meshes for the cases over models, instead of the built-in models.
     #[arg(long, value_name = "DIR")]
     models: Option<PathBuf>,
-    /// Drops of each model in the case `drop`, at most 800; large models have fewer by default.
+    /// Drops of each model in the case `drop`, at most 800, or runs of each mesh in `still`.
+    ///
+    /// By default large models have fewer drops, and meshes 24 runs.
     #[arg(long, value_name = "N")]
     samples: Option<u32>,
     /// Only drops whose description, as printed by --list, contains a text.

@@ -48,7 +48,7 @@ impl Subject {
 pub struct Runner {
     /// The models of cases over models, smallest first and each once.
     subjects: OnceLock<Vec<Subject>>,
-    /// Drops of each model in the case `drop`; `None` leaves the number to the case.
+    /// Drops of each model in `drop`, runs of each mesh in `still`; `None` leaves them to the case.
     pub samples: Option<u32>,
     /// Text in the description of drops; others are left out.
     pub matching: Option<String>,

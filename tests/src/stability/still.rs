@@ -27,7 +27,7 @@ pub(super) const CASES: [Case; 2] = [
                 0.01,
             ),
         ],
-        run: |runner| runs(runner, 24),
+        run: |runner| runs(runner, runner.samples.unwrap_or(24)),
     },
     Case {
         id: "primitive",
@@ -235,7 +235,7 @@ struct Still<'a> {
     frames: Frames,
 }
 
-fn runs(runner: &Runner, per_mesh: usize) -> Vec<Run> {
+fn runs(runner: &Runner, per_mesh: u32) -> Vec<Run> {
     let (meshes, materials) = (meshes(), materials());
     let mut all = Vec::new();
     for (name, surface) in &meshes {
@@ -246,7 +246,7 @@ fn runs(runner: &Runner, per_mesh: usize) -> Vec<Run> {
                 Treatment::Spin,
                 Treatment::Hang,
                 Treatment::Drop,
-            ][i % 4];
+            ][i as usize % 4];
             let size = match treatment {
                 Treatment::Rest | Treatment::Spin => [1.0, 0.01, 100.0, 0.1, 10.0][k % 5],
                 _ => [1.0, 0.3, 10.0][k % 3],
@@ -256,7 +256,7 @@ fn runs(runner: &Runner, per_mesh: usize) -> Vec<Run> {
                 Frames::Alternating,
                 Frames::Random,
                 Frames::Hitch,
-            ][(k / 4 + i) % 4];
+            ][(k / 4 + i as usize) % 4];
             let (of, material) = materials[(k + k / 8) % 8];
             all.push(Still {
                 name: format!("{name} of {size} m, {of}, {treatment:?}, {frames:?} frames"),
