@@ -8,7 +8,8 @@ use incise_tests::stability::{Case, Runner, Verdict, cases};
 ///
 /// One that is mended must leave the list.
 const OPEN: [[&str; 3]; 17] = [
-    // Pieces without a volume collapse and creep, and halves of round bodies roll on.
+    // Crumpled limp shells of long thin triangles jump, pieces without a volume creep, and balls
+    // and halves of round bodies rock on.
     ["primitive", "", "speed"],
     ["primitive", "", "time"],
     // Walls of a slit that are pressed together overlap by a third of an edge for a frame.
