@@ -1,7 +1,7 @@
 //! Joins the pieces that an undo has made one, after they have moved apart.
 //!
 //! Every such piece first moves as a rigid body into the frame of the heaviest one. Deformations
-//! remain; damped steps remove the gaps that they leave between the pieces.
+//! remain; steps from rest remove the gaps that they leave between the pieces.
 
 use super::Solver;
 use crate::error::StepError;
@@ -10,13 +10,10 @@ use incise_mesh::geometry::{Vec3, to_f32};
 use incise_mesh::{Surface, VertexId};
 use nalgebra::Matrix3;
 
-/// Maximum number of damped frames.
-const MAX_FRAMES: u32 = 30;
+/// Maximum number of steps from rest.
+const MAX_STEPS: u32 = 30;
 
-/// Decay rate of velocities relative to rigid pieces in damped frames [1/s].
-const DAMPING: f32 = 60.0;
-
-/// Displacement per substep below which damped frames end [mean rest edge lengths].
+/// Displacement below which steps from rest end [mean rest edge lengths].
 const SLOW: f64 = 0.01;
 
 impl Solver {
@@ -43,17 +40,24 @@ impl Solver {
         params.check(dt)?;
         self.check_step(surface)?;
         self.align(surface, pieces);
-        let weightless = SolverParams {
+        // One substep a frame, so that no substep goes on with the velocity of a correction.
+        let relaxation = SolverParams {
             gravity: [0.0; 3],
+            iterations: (params.iterations.saturating_mul(params.substeps(dt)))
+                .clamp(1, SolverParams::MAX_COUNT),
+            substep: None,
+            lift: 0.0,
+            conserve: false,
             ..*params
         };
         let at_rest = vec![[0.0; 4]; self.particles.velocities.len()];
         let velocities = std::mem::replace(&mut self.particles.velocities, at_rest);
-        let damping = std::mem::replace(&mut self.material.damping, DAMPING);
+        self.particles.corrections.fill([0.0; 4]);
         let slow = SLOW * self.mean_rest_length();
         let mut done = Ok(true);
-        for _ in 0..MAX_FRAMES {
-            match self.step(surface, dt, &weightless) {
+        for _ in 0..MAX_STEPS {
+            self.particles.velocities.fill([0.0; 4]);
+            match self.step(surface, dt, &relaxation) {
                 Ok(stats) if f64::from(stats.max_substep_displacement) < slow => break,
                 Ok(_) => {}
                 Err(error) => {
@@ -62,7 +66,6 @@ impl Solver {
                 }
             }
         }
-        self.material.damping = damping;
         self.particles.velocities = velocities;
         done
     }

@@ -7,7 +7,8 @@
 //!   substep. The rest is restored.
 //! - The sum of kinetic and potential energy may grow by the slack of the body only: the energy
 //!   that its constraints store. The excess is taken from the motion relative to the rigid one.
-//!   Pinned pieces have no momentum to keep: the rest is taken from their rigid motion.
+//!   Pieces with pins or in a collider have no momentum to keep: the rest is taken from their rigid
+//!   motion.
 //!
 //! The slack decays to the [elastic energy](elastic_energy) with the time constant [`RELAXATION`],
 //! since constraints dissipate the rest. It is unlimited while something does unknown work: moving
@@ -159,6 +160,8 @@ pub(crate) struct GuardCursor {
 #[derive(Debug, Clone, Copy)]
 struct Change {
     motion: RigidMotion,
+    /// Whether pins or colliders hold the piece, so that it has no momentum to keep.
+    is_held: bool,
     /// Angular velocity before the change [rad/s].
     turn: [f32; 3],
     velocity_change: [f32; 3],
@@ -176,8 +179,8 @@ struct Energies {
     rigid: f32,
     /// Kinetic energy of other motions at the end, damping included.
     relative: f32,
-    /// The part of the rigid energy that may be taken: that of pinned pieces.
-    pinned: f32,
+    /// The part of the rigid energy that may be taken: that of held pieces.
+    held: f32,
     /// Change of the gravitational potential energy.
     potential_change: f32,
 }
@@ -206,8 +209,9 @@ impl Guard {
 
     /// Measures a body at the end of a frame; bodies follow each other as at its start.
     ///
-    /// `is_free` tells that nothing but gravity and pins has moved it.
-    pub(crate) fn end(&mut self, body: &GuardedBody<'_>, inputs: &GuardInputs, is_free: bool) {
+    /// `met_collider` tells whether one has moved it.
+    pub(crate) fn end(&mut self, body: &GuardedBody<'_>, inputs: &GuardInputs, met_collider: bool) {
+        let is_free = !(inputs.has_contacts || met_collider);
         let constants = &inputs.constants;
         let fall = constants
             .gravity_step
@@ -219,6 +223,7 @@ impl Guard {
             let turn = motion.angular_velocity(motion.angular_momentum);
             let mut change = Change {
                 motion,
+                is_held: motion.pin_count > 0.0 || met_collider,
                 turn,
                 velocity_change: [0.0; 3],
                 turn_change: [0.0; 3],
@@ -242,7 +247,7 @@ impl Guard {
             energies.before += start.kinetic_energy;
             let rigid = motion.rigid_energy(velocity, add(turn, change.turn_change), momentum);
             energies.rigid += rigid;
-            energies.pinned += if motion.pin_count > 0.0 { rigid } else { 0.0 };
+            energies.held += if change.is_held { rigid } else { 0.0 };
             energies.relative += (inputs.damping_factor * inputs.damping_factor) * relative;
             energies.potential_change -=
                 motion.mass * dot(constants.gravity_step, moved) / constants.h;
@@ -263,23 +268,19 @@ impl Guard {
     ) {
         let energies = &self.energies[place.body..place.body + count];
         let sum = |of: fn(&Energies) -> f32| energies.iter().map(of).fold(0.0, |a, b| a + b);
-        let (relative, pinned) = (sum(|e| e.relative), sum(|e| e.pinned));
+        let (relative, held) = (sum(|e| e.relative), sum(|e| e.held));
         let gain = sum(Energies::gain);
         let excess = gain - slack;
         let scale = scale_to_lose(excess, relative);
-        let pinned_scale = scale_to_lose(excess - relative, pinned);
-        let lost = (1.0 - scale * scale) * relative + (1.0 - pinned_scale * pinned_scale) * pinned;
+        let held_scale = scale_to_lose(excess - relative, held);
+        let lost = (1.0 - scale * scale) * relative + (1.0 - held_scale * held_scale) * held;
         let slack = slack + (lost - gain);
         let slack = if slack > 0.0 { slack } else { 0.0 };
         let mass = sum(|e| e.mass);
         for ((mut body, inputs), energies) in bodies.zip(energies) {
             let changes = &self.end[place.piece..place.piece + body.pieces.len()];
             for (vertices, change) in body.pieces.iter().zip(changes) {
-                let rigid = if change.motion.pin_count > 0.0 {
-                    pinned_scale
-                } else {
-                    1.0
-                };
+                let rigid = if change.is_held { held_scale } else { 1.0 };
                 let factors = [inputs.damping_factor * scale, rigid];
                 if !(factors == [1.0; 2] && change.is_none()) {
                     change.apply(body.positions, body.velocities, vertices, factors);

@@ -407,8 +407,7 @@ fn end_guard(
 ) {
     for ((solver, surface), member) in bodies.iter_mut().zip(members) {
         if let Some(inputs) = &member.guard {
-            let is_free = !(inputs.has_contacts || member.met_collider);
-            guard.end(&solver.guarded(surface), inputs, is_free);
+            guard.end(&solver.guarded(surface), inputs, member.met_collider);
         }
     }
     let size = if has_contacts { bodies.len() } else { 1 };

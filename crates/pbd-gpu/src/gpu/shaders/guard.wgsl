@@ -2,7 +2,7 @@
 //
 // A piece has GUARD_ENTRIES entries: first vertex in the list and number of vertices; the motion at
 // the start of the frame: origin, center, velocity, momentum and kinetic energy; that at its end:
-// origin, center, velocity, angular velocity, the changes of both velocities, and number of pins.
+// origin, center, velocity, angular velocity, the changes of both velocities, and 1 if it is held.
 
 // Factors of the relative and the rigid motion of the body.
 var<workgroup> factors: vec2f;
@@ -73,12 +73,14 @@ fn begin_guard(
 // Energies of the body in the frame; only those of the first lane have a meaning.
 var<private> energy_before: f32;
 var<private> energy_rigid: f32;
-var<private> energy_pinned: f32;
+var<private> energy_held: f32;
 var<private> energy_relative: f32;
 var<private> energy_potential: f32;
 
 // Computes the change of a piece at an entry and adds its energies.
-fn end_piece(body: Body, at: u32, motion: RigidMotion, is_free: bool) {
+fn end_piece(body: Body, at: u32, motion: RigidMotion, met_collider: bool) {
+    let is_free = !(is_guarded(body, HAS_CONTACTS) || met_collider);
+    let is_held = motion.pin_count > 0.0 || met_collider;
     let turn = angular_velocity_of(motion, motion.angular_momentum);
     var velocity = motion.velocity;
     var momentum = motion.angular_momentum;
@@ -98,7 +100,7 @@ fn end_piece(body: Body, at: u32, motion: RigidMotion, is_free: bool) {
     energy_before += load_number(at + 1u, 12u);
     let rigid = rigid_energy(motion.mass, velocity, turn + turn_change, momentum);
     energy_rigid += rigid;
-    energy_pinned += select(0.0, rigid, motion.pin_count > 0.0);
+    energy_held += select(0.0, rigid, is_held);
     energy_relative += (body.damping_factor * body.damping_factor) * relative;
     energy_potential -= motion.mass * dot_product(frame.gravity_step, moved) / frame.h;
     store_vector(at + 8u, 0u, motion.origin);
@@ -107,7 +109,7 @@ fn end_piece(body: Body, at: u32, motion: RigidMotion, is_free: bool) {
     store_vector(at + 8u, 3u, turn);
     store_vector(at + 8u, 4u, velocity_change);
     store_vector(at + 8u, 5u, turn_change);
-    store_number(at + 8u, 18u, motion.pin_count);
+    store_number(at + 8u, 18u, select(0.0, 1.0, is_held));
 }
 
 fn scale_to_lose(excess: f32, energy: f32) -> f32 {
@@ -123,9 +125,9 @@ fn limit_energy(body: Body, slack: f32) -> f32 {
     let gain = ((energy_rigid + energy_relative) + energy_potential) - energy_before;
     let excess = gain - slack;
     let scale = scale_to_lose(excess, energy_relative);
-    let rigid = scale_to_lose(excess - energy_relative, energy_pinned);
+    let rigid = scale_to_lose(excess - energy_relative, energy_held);
     factors = vec2f(body.damping_factor * scale, rigid);
-    let lost = (1.0 - scale * scale) * energy_relative + (1.0 - rigid * rigid) * energy_pinned;
+    let lost = (1.0 - scale * scale) * energy_relative + (1.0 - rigid * rigid) * energy_held;
     let left = slack + (lost - gain);
     return select(0.0, left, left > 0.0);
 }
@@ -173,12 +175,11 @@ fn end_guard(
     }
     first_vertex = body.first_vertex;
     let met_collider = atomicLoad(&reports[work.body].met_collider) != 0u;
-    let is_free = !(is_guarded(body, HAS_CONTACTS) || met_collider);
     for (var piece = 0u; piece < body.guard_pieces; piece++) {
         let at = body.first_guard + GUARD_ENTRIES * piece;
         let motion = measure_piece(constraints[at], body.pins != 0u, lane);
         if (lane == 0u) {
-            end_piece(body, at, motion, is_free);
+            end_piece(body, at, motion, met_collider);
         }
     }
     storageBarrier();
