@@ -31,7 +31,7 @@ pub(super) const CASES: [Case; 2] = [
     },
     Case {
         id: "primitive",
-        stress: "cylinders, a rod and a ball with every preset, at rest, dropped, and cut and dropped",
+        stress: "cylinders, a rod, a ball, with every preset, at rest, dropped, cut and dropped",
         invariants: &[
             ("rise above the start [sizes]", 1e-3),
             ("speed after 12 s, or when they fall asleep [sizes/s]", 1e-3),
