@@ -83,6 +83,8 @@ const MAX_ROUNDING: f64 = 4.0;
 const MAX_JITTER: f64 = 0.05;
 
 /// Maximum relative change of [`Conditions::substep`] that wakes no body.
+///
+/// Without a fixed substep the frame of a display is one, and its length jitters by less.
 const SUBSTEP_TOLERANCE: f32 = 0.2;
 
 /// The parameters under which bodies fell asleep: a change wakes them.
@@ -132,7 +134,7 @@ impl Observation {
             return;
         }
         let ends = self.observed.is_none() && self.ends_after(sleep, dt);
-        self.frames += 1;
+        self.frames = self.frames.saturating_add(1);
         self.time += f64::from(dt);
         if ends {
             self.observed = Some(self.frames);
@@ -173,6 +175,7 @@ pub(crate) struct Sleep {
     woken: u32,
     conditions: Option<Conditions>,
     /// Duration of the current frame \[s\].
+    #[cfg_attr(feature = "serde", serde(skip))]
     dt: f32,
 }
 
@@ -197,7 +200,7 @@ impl Sleep {
             self.islands.len(),
         ];
         let is_observation = |observation: &Observation| {
-            observation.frames <= u32::MAX - SleepParams::LAG
+            observation.frames < u32::MAX - SleepParams::LAG
                 && observation.observed.is_none_or(|n| n <= observation.frames)
         };
         let is_valid = lengths == [bodies; 5]

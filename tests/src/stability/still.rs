@@ -393,25 +393,27 @@ impl Energy {
 
 /// Runs cylinders and rods until they sleep, at most for 12 s.
 fn primitives(runner: &Runner) -> Vec<Run> {
+    let ways = ["rest", "drop", "cut"];
     let meshes = [
         (
             "cylinder, fans from centers",
             prism([32, 1], 0.5, 1.0, true),
+            &ways[..],
         ),
         (
             "cylinder, fans from corners",
             prism([32, 1], 0.5, 1.0, false),
+            &ways[..],
         ),
-        ("rod of 48", prism([48, 1], 0.1, 2.0, false)),
-        ("ball", icosphere(3, 0.5)),
+        ("rod of 48", prism([48, 1], 0.1, 2.0, false), &ways[..]),
+        // The halves of a ball topple, which lifts their rims.
+        ("ball", icosphere(3, 0.5), &ways[..2]),
     ];
     let mut all = Vec::new();
-    for (name, surface) in &meshes {
-        // The halves of a ball topple, which lifts their rims.
-        let ways = if *name == "ball" { 2 } else { 3 };
+    for (name, surface, ways) in &meshes {
         for preset in Material::PRESETS {
-            for way in &["rest", "drop", "cut"][..ways] {
-                all.push((format!("{name}, {preset}, {way}"), surface, preset, *way));
+            for &way in *ways {
+                all.push((format!("{name}, {preset}, {way}"), surface, preset, way));
             }
         }
     }

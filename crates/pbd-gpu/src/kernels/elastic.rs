@@ -11,8 +11,11 @@ use crate::constraints::batches::{BendingSet, ConstraintSet, StretchSet};
 use crate::step::constants::{Projection, StepConstants};
 use incise_mesh::VertexId;
 
-/// Units of the fixed-point sum in the largest energy, as many as 32-bit numbers resolve.
+/// Units of the fixed-point sum in the largest energy: the 2^24 steps of a 32-bit number.
 pub(crate) const UNITS: f32 = 16_777_216.0;
+
+/// Largest energy below which a body has none: its number of units in 1 is finite above.
+pub(crate) const MIN_ENERGY: f32 = UNITS * f32::MIN_POSITIVE;
 
 /// The constraints that store energy.
 #[derive(Debug, Clone, Copy)]
@@ -50,7 +53,7 @@ pub(crate) fn elastic_energy(
     };
     let mut largest = 0.0;
     all(&mut |energy| largest = if energy > largest { energy } else { largest });
-    if largest == 0.0 {
+    if largest <= MIN_ENERGY {
         return 0.0;
     }
     let scale = UNITS / largest;

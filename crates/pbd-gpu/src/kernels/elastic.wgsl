@@ -112,7 +112,7 @@ fn elastic_energy(body: Body, lane: u32) -> f32 {
     add_all(body, lane, 0.0);
     workgroupBarrier();
     let largest = bitcast<f32>(atomicLoad(&largest_energy));
-    if (largest > 0.0) {
+    if (largest > MIN_ENERGY) {
         add_all(body, lane, UNITS / largest);
     }
     workgroupBarrier();

@@ -53,6 +53,7 @@ impl Solver {
         let at_rest = vec![[0.0; 4]; self.particles.velocities.len()];
         let velocities = std::mem::replace(&mut self.particles.velocities, at_rest);
         self.particles.corrections.fill([0.0; 4]);
+        let time_left = self.step.time_left;
         let slow = SLOW * self.mean_rest_length();
         let mut done = Ok(true);
         for _ in 0..MAX_STEPS {
@@ -66,6 +67,7 @@ impl Solver {
                 }
             }
         }
+        self.step.time_left = time_left;
         self.particles.velocities = velocities;
         done
     }

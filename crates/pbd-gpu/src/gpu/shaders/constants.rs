@@ -71,7 +71,7 @@ const INTEGERS: [(&str, u32); 41] = [
 ];
 
 /// Constants of kernels.
-pub(super) const FLOATS: [(&str, f32); 32] = [
+pub(super) const FLOATS: [(&str, f32); 33] = [
     ("PI", PI),
     ("TAU", TAU),
     ("HALF_PI", FRAC_PI_2),
@@ -101,6 +101,7 @@ pub(super) const FLOATS: [(&str, f32); 32] = [
     ("PRESS", steps::PRESS),
     ("EASE", steps::EASE),
     ("MIN_INERTIA", rigid_motion::MIN_INERTIA),
+    ("MIN_ENERGY", elastic::MIN_ENERGY),
     ("PIN_WEIGHT", rigid_motion::PIN_WEIGHT),
     ("UNITS", elastic::UNITS),
     ("UNLIMITED", guard::UNLIMITED),
