@@ -8,6 +8,7 @@
 #[cfg(feature = "reference")]
 mod accuracy;
 mod cut;
+mod failure;
 mod gpu;
 mod measure;
 mod models;
@@ -20,6 +21,7 @@ mod skip;
 mod solver;
 mod stability;
 mod step;
+mod strokes;
 mod table;
 mod text_table;
 mod workload;

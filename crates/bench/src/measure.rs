@@ -197,7 +197,7 @@ fn plan(length: Length, latency: f64) -> (u32, u32) {
     clippy::cast_sign_loss,
     reason = "a saturating cast of a positive number"
 )]
-fn whole(x: f64) -> u32 {
+pub(crate) fn whole(x: f64) -> u32 {
     x as u32
 }
 

@@ -3,7 +3,7 @@
 #[cfg(feature = "reference")]
 use crate::accuracy;
 use crate::output::is_closed_pipe;
-use crate::{cut, refine, skip, solver, stability, step, table};
+use crate::{cut, refine, skip, solver, stability, step, strokes, table};
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::{Shell, generate};
 use std::error::Error;
@@ -30,6 +30,8 @@ enum Command {
     Step(step::StepArguments),
     /// Time of a cut, stage by stage, up to a million triangles.
     Cut(cut::CutArguments),
+    /// Strokes of blades that cut step by step: refusals, pieces and quality by kind of stroke.
+    Strokes(strokes::StrokesArguments),
     /// Time and quality of section meshes (caps).
     Refine(refine::RefineArguments),
     /// Time of a frame against error, scene by scene (work-precision Pareto fronts).
@@ -52,6 +54,7 @@ fn run(arguments: Arguments, out: &mut dyn Write) -> Result<(), Box<dyn Error>> 
         Some(Command::Solver(solver)) => solver::run(&solver, out),
         Some(Command::Step(step)) => step::run(&step, out),
         Some(Command::Cut(cut)) => cut::run(&cut, out),
+        Some(Command::Strokes(strokes)) => strokes::run(&strokes, out),
         Some(Command::Refine(refine)) => refine::run(&refine, out),
         #[cfg(feature = "reference")]
         Some(Command::Accuracy(accuracy)) => accuracy::run(&accuracy, out),

@@ -8,6 +8,7 @@ mod strokes;
 
 use super::body::StageTimes;
 use super::{CutArguments, CutOutput, Parameters};
+use crate::failure::Failure;
 use crate::measure::{mean, median};
 use crate::workload::{Workload, progressive_workloads};
 use incise_cut::CutParams;
@@ -82,31 +83,6 @@ struct Row {
     /// Time of a call with the blade inside and unmoved, median \[us\].
     us_standing: f64,
     failures: Vec<Failure>,
-}
-
-/// Refused steps of one kind.
-#[derive(Debug, Serialize)]
-struct Failure {
-    /// The error's name.
-    kind: String,
-    count: usize,
-    /// Place and message of the first.
-    first: String,
-}
-
-impl Failure {
-    /// Counts a failure.
-    fn add(all: &mut Vec<Self>, kind: &str, first: impl FnOnce() -> String) {
-        if let Some(known) = all.iter_mut().find(|failure| failure.kind == kind) {
-            known.count += 1;
-        } else {
-            all.push(Self {
-                kind: kind.to_owned(),
-                count: 1,
-                first: first(),
-            });
-        }
-    }
 }
 
 /// Measures all bodies, prints and writes the rows.
@@ -248,12 +224,8 @@ impl Measured {
                 Ok(Some(step)) => self.steps.push(step),
                 Ok(None) => self.row.missed += 1,
                 Err(error) => {
-                    // The name of the variant, without its fields.
-                    let kind = format!("{error:?}");
-                    let end = kind.find(|c: char| !c.is_alphanumeric());
-                    let kind = &kind[..end.unwrap_or(kind.len())];
-                    let first = || format!("stroke {number}, step {i}: {error}");
-                    Failure::add(&mut self.row.failures, kind, first);
+                    let at = format_args!("stroke {number}, step {i}");
+                    Failure::add_error(&mut self.row.failures, &error, at);
                 }
             }
             if is_turning {
