@@ -3,6 +3,7 @@
 mod at_rest;
 mod in_scene;
 mod kinds;
+mod paths;
 mod trial;
 
 use crate::failure::Failure;

@@ -58,21 +58,22 @@ pub(super) fn pick<T: Copy>(random: &mut Directions, items: &[T]) -> T {
 }
 
 impl<'a> Stroke<'a> {
-    /// Returns a body turned at random, a speed and a snapping distance, without a path yet.
-    pub(super) fn new(random: &'a mut Directions, bodies: &[fn() -> Surface]) -> Self {
+    /// Returns one of some bodies, turned at random or not, without a path yet.
+    ///
+    /// The speed and the snapping distance are random.
+    pub(super) fn new(
+        random: &'a mut Directions,
+        bodies: &[fn() -> Surface],
+        is_turned: bool,
+    ) -> Self {
         let mut surface = pick(random, bodies)();
         let axis = random.next_unit();
-        let angle = PI * random.signed();
+        let angle = if is_turned { PI * random.signed() } else { 0.0 };
         // Rodrigues' rotation.
+        let (sin, cos) = angle.sin_cos();
         place(&mut surface, |p| {
-            let (sin, cos) = angle.sin_cos();
             p * cos + axis.cross(&p) * sin + axis * axis.dot(&p) * (1.0 - cos)
         });
-        Self::axis_aligned(random, surface)
-    }
-
-    /// As [`Self::new`], of a body that is not turned.
-    pub(super) fn axis_aligned(random: &'a mut Directions, surface: Surface) -> Self {
         let bounds = surface.bounds();
         let [low, high] = [bounds.min, bounds.max].map(|c| Vec3::from(c.map(f64::from)));
         Self {

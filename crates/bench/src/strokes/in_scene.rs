@@ -25,7 +25,7 @@ const MARGIN: f64 = 0.05;
 
 /// The parts of a body that are pinned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Pins {
+enum Pins {
     /// Both ends along x.
     Ends,
     /// The upper end.
@@ -34,7 +34,7 @@ pub(super) enum Pins {
 
 /// The direction in which a blade moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Motion {
+enum Motion {
     /// In any direction across x.
     Across,
     Down,
@@ -45,19 +45,42 @@ pub(super) enum Motion {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Setting {
     /// Ratio of the body's length along x to that at rest.
-    pub(super) factor: f64,
+    factor: f64,
     /// Angle by which the blade turns about its motion to both sides \[rad\].
-    pub(super) swing: f64,
-    pub(super) pins: Pins,
-    pub(super) motion: Motion,
-    pub(super) has_gravity: bool,
-    pub(super) has_ground: bool,
-    pub(super) has_contacts: bool,
+    swing: f64,
+    pins: Pins,
+    motion: Motion,
+    has_gravity: bool,
+    has_ground: bool,
+    has_contacts: bool,
     /// Whether bodies collide with the blade's face.
-    pub(super) has_face: bool,
+    has_face: bool,
 }
 
 impl Setting {
+    /// A weightless body, held at its ends, that a knife with a face cuts from above.
+    pub(super) const FACE: Self = Self {
+        has_contacts: true,
+        has_face: true,
+        motion: Motion::Down,
+        ..Self::pulled(1.0, 0.0)
+    };
+    /// A body, held at its ends, that rests on the ground.
+    pub(super) const GROUND: Self = Self {
+        has_gravity: true,
+        has_ground: true,
+        has_contacts: true,
+        motion: Motion::Down,
+        ..Self::pulled(1.0, 0.0)
+    };
+    /// A body that hangs from its upper end.
+    pub(super) const HANGING: Self = Self {
+        has_gravity: true,
+        pins: Pins::Top,
+        motion: Motion::Horizontal,
+        ..Self::pulled(1.0, 0.0)
+    };
+
     /// Returns a weightless body that is pulled apart along x and cut across.
     pub(super) const fn pulled(factor: f64, swing: f64) -> Self {
         Self {
