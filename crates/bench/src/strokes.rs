@@ -11,7 +11,8 @@ use crate::models::named;
 use crate::options::OutputArguments;
 use crate::output::Output;
 use clap::Args;
-use incise_mesh::{AngleStats, Vec3};
+use incise_cut::CutParams;
+use incise_mesh::{AngleStats, EdgeStats, Vec3};
 use incise_models::scenes::Directions;
 use kinds::{KINDS, Kind};
 use serde::Serialize;
@@ -20,7 +21,10 @@ use std::error::Error;
 use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
-use trial::{Division, Trial};
+use trial::Trial;
+
+/// Minimum part of a body that is a piece and no scrap, of its volume or of a sheet's triangles.
+const MIN_PIECE: f64 = 0.02;
 
 /// Moves blades through bodies, and counts refused steps, pieces and invalid surfaces.
 ///
@@ -166,25 +170,25 @@ impl Row {
         self.cutting += trial.cutting;
         self.refused += refused;
         self.strokes_refused += u32::from(refused > 0);
-        let result = trial.result();
         if trial.is_full {
             self.full += 1;
-            *match result.division {
-                Division::Parted => &mut self.parted,
-                Division::Scraps => &mut self.scraps,
-                Division::Whole => &mut self.whole,
+            *match trial.second_piece() {
+                Some(part) if part >= MIN_PIECE => &mut self.parted,
+                Some(_) => &mut self.scraps,
+                None => &mut self.whole,
             } += 1;
         }
-        if let Some((kind, error)) = result.defect {
+        if let Some((kind, error)) = trial.defect() {
             self.invalid += 1;
-            Failure::add(&mut self.broken, kind, || {
-                format!("stroke {}: {error}", trial.number)
-            });
+            let first = || format!("stroke {}: {error}", trial.number);
+            Failure::add(&mut self.broken, kind, first);
         }
         self.triangles_before += trial.triangles;
-        self.triangles_after += result.triangles;
-        self.min_edge = self.min_edge.min(result.min_edge);
-        walls.extend(result.walls);
+        self.triangles_after += trial.surface.topology().triangle_count();
+        let edges = EdgeStats::from_triangles(trial.rest_triangles(|_| true));
+        self.min_edge = self.min_edge.min(edges.min / edges.mean);
+        let wall = CutParams::default().cap_material;
+        walls.extend(trial.rest_triangles(|t| trial.surface.material(t) == wall));
         for failure in trial.failures {
             failure.merge_into(&mut self.errors);
         }

@@ -101,6 +101,11 @@ impl<'a> Stroke<'a> {
         self.center + Vec3::from(relative).component_mul(&self.half_extents)
     }
 
+    /// Limits the motion between two poses, so that they follow a curved path \[m\].
+    pub(super) fn limit_step(&mut self, step: f64) {
+        self.step = self.step.min(step);
+    }
+
     /// Moves the blade on; `pose` has its relative positions from 0 to 1.
     pub(super) fn walk<const N: usize>(&mut self, pose: impl Fn(f64) -> [[f64; 3]; N]) {
         let pose = |t: f64| pose(t).map(|p| self.at(p));

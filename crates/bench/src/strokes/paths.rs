@@ -7,6 +7,8 @@ use std::f64::consts::{PI, TAU};
 const OVERLAP: f64 = 0.15;
 /// Drift of a blade across its edge, relative to its motion along the edge.
 const DRIFTS: [f64; 2] = [0.001, 0.05];
+/// Maximum motion between two poses on circles of a radius of 0.13 m or more \[m\].
+const CIRCLE_STEP: f64 = 0.1;
 /// Height at which a blade is outside.
 const OUT: f64 = 1.5;
 
@@ -95,6 +97,7 @@ pub(super) fn u_turn(s: &mut Stroke<'_>) {
         s.between(-0.2, 0.2)
     };
     let radius = s.between(0.25, 0.45);
+    s.limit_step(CIRCLE_STEP);
     s.walk(|t| [end, 1.3].map(|y| [-radius, y, ease(t, -1.3, 0.0)]));
     s.walk(|t| {
         let (sin, cos) = (PI * t).sin_cos();
@@ -106,6 +109,7 @@ pub(super) fn u_turn(s: &mut Stroke<'_>) {
 /// A blade, one end inside, moves inwards on a spiral.
 pub(super) fn spiral(s: &mut Stroke<'_>) {
     let end = s.between(-0.4, 0.4);
+    s.limit_step(CIRCLE_STEP);
     s.walk(|t| {
         let (sin, cos) = (1.5 * TAU * t).sin_cos();
         let radius = ease(t, OUT, 0.2);
@@ -181,6 +185,7 @@ pub(super) fn undercut(s: &mut Stroke<'_>) {
 /// angle and a distance from the tip.
 fn around(s: &mut Stroke<'_>, line: impl Fn(f64, f64) -> [f64; 3]) {
     s.is_full = true;
+    s.limit_step(CIRCLE_STEP);
     let drift = drift(s);
     let blade = |angle: f64, lift: f64| [0.0, 2.0].map(|end| line(angle, lift + end));
     s.walk(|t| blade(-drift * ease(t, OUT, 0.0), ease(t, OUT, 0.0)));

@@ -1,12 +1,10 @@
 //! [`Trial`]: one stroke, its steps, and the surface after it.
 
 use crate::failure::Failure;
-use incise_cut::{CutError, CutOutcome, CutParams};
-use incise_mesh::{EdgeStats, Surface, TriangleId, Vec3};
+use incise_cut::{CutError, CutOutcome};
+use incise_mesh::{Surface, TriangleId, Vec3};
 use std::fmt::{Debug, Display};
 
-/// Minimum part of a body's rest volume, or area of a sheet, that is a piece and not a scrap.
-const MIN_PIECE: f64 = 0.02;
 /// Maximum change of a body's volume by a stroke at rest [volumes].
 const MAX_VOLUME_CHANGE: f64 = 1e-4;
 
@@ -30,30 +28,6 @@ pub(super) struct Trial {
     volume: f64,
     /// The body after the stroke; empty after a panic.
     pub(super) surface: Surface,
-}
-
-/// The pieces after a stroke.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Division {
-    /// There are two of at least [`MIN_PIECE`].
-    Parted,
-    /// The second largest is smaller.
-    Scraps,
-    /// There is one.
-    Whole,
-}
-
-/// The surface after a stroke.
-#[derive(Debug)]
-pub(super) struct Result {
-    pub(super) division: Division,
-    /// Name and message of a broken invariant.
-    pub(super) defect: Option<(&'static str, String)>,
-    pub(super) triangles: usize,
-    /// Shortest edge [mean edges].
-    pub(super) min_edge: f64,
-    /// Triangles of the walls.
-    pub(super) walls: Vec<[Vec3; 3]>,
 }
 
 impl Trial {
@@ -80,7 +54,7 @@ impl Trial {
     }
 
     /// Counts the outcome of a step; a refused one with its error.
-    pub(super) fn record(&mut self, outcome: &std::result::Result<CutOutcome, CutError>) {
+    pub(super) fn record(&mut self, outcome: &Result<CutOutcome, CutError>) {
         match outcome {
             Ok(outcome) => self.cutting += usize::from(!outcome.is_miss()),
             Err(error) => self.fail(error),
@@ -100,24 +74,21 @@ impl Trial {
         Failure::add(&mut self.failures, name, first);
     }
 
-    /// Measures the surface after the stroke, in the rest shape.
-    pub(super) fn result(&self) -> Result {
-        let surface = &self.surface;
-        let topology = surface.topology();
-        let at_rest = |t: TriangleId| topology.triangle(t).map(|v| surface.rest_position(v));
-        let edges = EdgeStats::from_triangles(topology.triangles().map(at_rest));
-        let wall = CutParams::default().cap_material;
-        let is_wall = |t: &TriangleId| surface.material(*t) == wall;
-        Result {
-            division: self.division(),
-            defect: self.defect(),
-            triangles: topology.triangle_count(),
-            min_edge: edges.min / edges.mean,
-            walls: topology.triangles().filter(is_wall).map(at_rest).collect(),
-        }
+    /// Returns the corners of triangles in the rest shape \[m\].
+    pub(super) fn rest_triangles(
+        &self,
+        is_meant: impl Fn(TriangleId) -> bool,
+    ) -> impl Iterator<Item = [Vec3; 3]> {
+        let topology = self.surface.topology();
+        let corners = |t| topology.triangle(t).map(|v| self.surface.rest_position(v));
+        topology
+            .triangles()
+            .filter(move |&t| is_meant(t))
+            .map(corners)
     }
 
-    fn division(&self) -> Division {
+    /// Returns the second largest piece, as a part of the body; `None` for one piece.
+    pub(super) fn second_piece(&self) -> Option<f64> {
         let surface = &self.surface;
         let size = |piece: u32| {
             let own = surface.topology().triangles();
@@ -127,19 +98,16 @@ impl Trial {
                 false => surface.rest_volume_of(own),
             }
         };
-        let mut sizes: Vec<f64> = (0..surface.piece_bound()).map(size).collect();
-        sizes.retain(|&size| size != 0.0);
+        let used = (0..surface.piece_bound()).filter(|&piece| surface.piece_triangles(piece) > 0);
+        let mut sizes: Vec<f64> = used.map(size).collect();
         sizes.sort_unstable_by(|a, b| b.total_cmp(a));
-        let min = MIN_PIECE * sizes.iter().sum::<f64>();
-        match sizes.get(1) {
-            None => Division::Whole,
-            Some(&second) if second < min => Division::Scraps,
-            Some(_) => Division::Parted,
-        }
+        sizes
+            .get(1)
+            .map(|second| second / sizes.iter().sum::<f64>())
     }
 
-    /// Returns the first broken invariant, if the stroke did not panic.
-    fn defect(&self) -> Option<(&'static str, String)> {
+    /// Returns name and message of the first broken invariant, unless the stroke panicked.
+    pub(super) fn defect(&self) -> Option<(&'static str, String)> {
         let surface = &self.surface;
         if surface.topology().triangle_count() == 0 {
             return None;
