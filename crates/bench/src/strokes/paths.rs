@@ -1,6 +1,8 @@
 //! Paths of blades at rest, relative to the body.
 
 use super::at_rest::{Path, Stroke, log_between, pick};
+use incise_mesh::Vec3;
+use incise_mesh::geometry::to_f32;
 use std::f64::consts::{PI, TAU};
 
 /// Angle by which a closed path overlaps its start \[rad\].
@@ -125,7 +127,7 @@ pub(super) fn stop_and_go(s: &mut Stroke<'_>) {
         path.push(pose.clone());
         let jitter = pick(s.random, &[None, Some(0.0), Some(1e-4), Some(1e-3)]);
         if let Some(jitter) = jitter {
-            let offset = [0.0; 3].map(|x: f32| x + s.between(-jitter, jitter) as f32);
+            let offset = to_f32(Vec3::from_fn(|_, _| s.between(-jitter, jitter)));
             let moved = pose.iter().map(|p| [0, 1, 2].map(|k| p[k] + offset[k]));
             path.extend([moved.collect(), pose.clone()]);
         }
