@@ -11,12 +11,12 @@ use incise_mesh::geometry::to_f64;
 /// of the bodies is more than half of the full one (van Oosterom and Strackee 1983).
 #[must_use]
 pub fn blade_starts_inside(surface: &Surface, sweep: &Sweep) -> bool {
-    is_in_body(surface, &surface.open_pieces(), sweep)
+    is_in_body(surface, &surface.open_pieces(), sweep.points()[0])
 }
 
-/// Returns whether the sweep's first corner is inside a piece that is not marked in `is_sheet`.
-pub(crate) fn is_in_body(surface: &Surface, is_sheet: &[bool], sweep: &Sweep) -> bool {
-    let at = to_f64(sweep.points()[0]);
+/// Returns whether a point is inside a piece that is not marked in `is_sheet`.
+pub(crate) fn is_in_body(surface: &Surface, is_sheet: &[bool], point: [f32; 3]) -> bool {
+    let at = to_f64(point);
     let triangles = surface.topology().triangles();
     let angle: f64 = triangles
         .filter(|&t| is_sheet.get(surface.piece(t) as usize) != Some(&true))

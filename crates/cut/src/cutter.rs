@@ -15,7 +15,9 @@ use crate::sweep::Sweep;
 use advance::Continuation;
 #[cfg(feature = "serde")]
 use incise_mesh::InvalidBvh;
-use incise_mesh::{Bvh, Edit, Surface, TopologyDelta, TriangleId, Undo, UndoError, VertexId};
+use incise_mesh::{
+    BoxScan, Bvh, Edit, Surface, TopologyDelta, TriangleId, Undo, UndoError, VertexId,
+};
 use incise_refine::Section;
 use std::num::NonZeroUsize;
 use web_time::Instant;
@@ -39,6 +41,8 @@ pub struct Cutter {
     bvh: Bvh,
     /// The state of the surface that the BVH fits.
     version: SurfaceVersion,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    scan: BoxScan,
     #[cfg_attr(feature = "serde", serde(skip))]
     candidates: Vec<TriangleId>,
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -92,6 +96,7 @@ impl Cutter {
         Self {
             bvh: Bvh::build(surface),
             version: SurfaceVersion::new(surface),
+            scan: BoxScan::default(),
             candidates: Vec::new(),
             facets: Facets::default(),
             trace: Trace::default(),
@@ -377,7 +382,11 @@ impl Cutter {
     ) -> Result<(), CutError> {
         self.check_bvh(surface)?;
         self.candidates.clear();
-        (self.bvh).query(surface, sweep.triangles(), &mut self.candidates);
+        if tip.is_in_rest_shape() {
+            (self.scan).query(surface, &sweep.bounds(), &mut self.candidates);
+        } else {
+            (self.bvh).query(surface, sweep.triangles(), &mut self.candidates);
+        }
         if let Some(piece) = only_piece {
             self.candidates.retain(|&t| surface.piece(t) == piece);
         }

@@ -208,7 +208,7 @@ impl Exact {
         report.refined =
             self.mesh_sections(&mut edit, at, &params.refine, true, search.as_mut())?;
         let triangles = edit.surface().topology().triangle_count();
-        let is_inside = || is_in_body(edit.surface(), is_sheet, sweep);
+        let is_inside = || is_in_body(edit.surface(), is_sheet, sweep.points()[0]);
         if self.cap.section.ends_inside(triangles, is_inside) {
             let triangle = trace.chords[0].triangle;
             return Err(CutError::PartialCut { triangle });

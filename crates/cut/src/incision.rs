@@ -1,15 +1,21 @@
 //! [`Incision`]: a blade's pose and the tip at which its cut goes on in the next frame.
 
 mod columns;
+mod lead;
+mod map;
 mod path;
+mod piercings;
 
 use crate::error::CutError;
 use crate::intersection::facets::ContinuedTip;
 use crate::sweep::Sweep;
-use columns::{Column, is_at_boundary, point_at, spread};
+use columns::{Column, Poses, is_at_boundary, point_at, spread};
 use incise_mesh::geometry::{to_f32, to_f64};
-use incise_mesh::{Bvh, HalfEdge, Surface, Vec3, VertexId};
+use incise_mesh::{Aabb, HalfEdge, Surface, TriangleId, Vec3, VertexId};
+use lead::{has_moved, is_ahead, standing};
+use map::BladeMap;
 use path::{Path, do_vanish};
+use piercings::piercings;
 
 /// Motion of the blade after which the cut goes on [local edge lengths].
 ///
@@ -64,9 +70,28 @@ pub(crate) struct TipPoint {
     pub(crate) meets_next: bool,
 }
 
+/// How a blade goes on from a tip in one step.
+#[derive(Debug, Default)]
+pub(crate) struct Approach {
+    pub(crate) map: BladeMap,
+    /// By vertex of the tip, whether it keeps its place, and the unit vector ahead.
+    stands: Vec<bool>,
+    ahead: Vec<Vec3>,
+    /// Whether the blade is outside of the body, so that its front must be.
+    leaves: bool,
+}
+
+/// Displacements of the front ahead of a blade that has left the body, tried in turn until the
+/// front is outside as well [local edge lengths].
+///
+/// In the rest shape the blade's place is known up to second order in its motion.
+const REACHES: [f64; 5] = [0.0, 0.125, 0.25, 0.5, 1.0];
+
 /// The sweep of one step, the tip that it continues, and its points' parameters on the blade.
 pub(crate) struct Stroke {
     pub(crate) sweep: Sweep,
+    /// The sweep in the present shape.
+    pub(crate) present: Sweep,
     pub(crate) tip: ContinuedTip,
     pub(crate) parameters: Vec<f64>,
 }
@@ -121,13 +146,20 @@ impl Incision {
     }
 
     /// Sets the pose and the tip after a step through edges of length `local` \[m\].
+    ///
+    /// `moved` has the vertices of the tip where it has moved. Those that keep their places stay.
+    /// `copies` returns the two vertices that a step has made of one of the last tip.
     pub(crate) fn finish_step(
         &mut self,
         pose: &[[f32; 3]],
-        tip: Vec<TipPoint>,
+        moved: Vec<TipPoint>,
         sweep: Sweep,
         local: f64,
+        approach: &Approach,
+        copies: impl Fn(VertexId) -> Option<[VertexId; 2]>,
     ) {
+        let tip = with_standing(moved, &self.tip, &approach.stands);
+        self.path.open_tip(copies);
         if self.tip.is_empty() {
             self.path.start(&self.pose);
             self.local = 0.0;
@@ -144,6 +176,13 @@ impl Incision {
         }
         self.tip = tip;
         self.sweep = Some(sweep);
+    }
+
+    /// Stores rest positions after a step in the rest shape.
+    pub(crate) fn finish_exchange(&mut self, surface: &Surface) {
+        for point in &mut self.tip {
+            point.rest = surface.rest_position(point.vertex);
+        }
     }
 
     /// Removes the parts of the tip that other cuts have removed.
@@ -173,9 +212,10 @@ impl Incision {
         });
     }
 
-    /// Returns whether a motion to a new pose cuts.
+    /// Returns how a motion to a new pose cuts, or none if it does not.
     ///
-    /// False for the first pose, for a motion that is too small, and for one back along the path.
+    /// None for the first pose, for a motion that is too small, and for one back along the path.
+    /// `near` finds the triangles in a box, and `is_inside` whether a point is in the body.
     ///
     /// # Errors
     /// [`CutError::PolylineLength`] and [`CutError::SweepNotFinite`].
@@ -183,7 +223,9 @@ impl Incision {
         &mut self,
         surface: &Surface,
         blade: &[[f32; 3]],
-    ) -> Result<bool, CutError> {
+        near: impl FnOnce(&Aabb) -> Vec<TriangleId>,
+        is_inside: impl FnOnce([f32; 3]) -> bool,
+    ) -> Result<Option<Approach>, CutError> {
         if blade.len() < 2 {
             let [previous, current] = [blade.len(); 2];
             return Err(CutError::PolylineLength { previous, current });
@@ -193,58 +235,74 @@ impl Incision {
         }
         if self.pose.len() != blade.len() {
             self.restart(blade);
-            return Ok(false);
+            return Ok(None);
         }
         self.check_tip(surface);
-        if self.is_inside() {
-            if !self.has_moved(surface, blade) {
-                return Ok(false);
-            }
-            let width = PATH_WIDTH * self.local;
-            let moved = self.pose.iter().zip(blade);
-            let moved = moved.map(|(&p, &q)| (to_f64(q) - to_f64(p)).norm());
-            let motion = moved.fold(0.0, f64::max);
-            let back = self.back.unwrap_or(0.0);
-            if let Some(back) = self.path.find(surface, blade, back, motion, width) {
-                self.pose.clear();
-                self.pose.extend_from_slice(blade);
-                self.back = Some(back);
-                return Ok(false);
-            }
-            if self.back.is_some() && !self.passes_tip(surface, blade, width) {
-                self.leave();
-            }
+        if !self.is_inside() {
+            return Ok(Some(Approach::default()));
         }
-        Ok(true)
+        let near = near(&Aabb::around(blade.iter().copied()));
+        let piercings = piercings(blade, surface, &near);
+        #[expect(clippy::cast_precision_loss, reason = "few points")]
+        let last = (blade.len() - 1) as f64;
+        let map = BladeMap::new(surface, &self.tip, &piercings, last, self.local);
+        let leads = self.leads(surface, &map, blade);
+        let is_ahead = is_ahead(&leads);
+        let leaves = is_ahead && piercings.is_empty() && !is_inside(blade[0]);
+        if !has_moved(&leads) && !leaves {
+            return Ok(None);
+        }
+        let width = PATH_WIDTH * self.local;
+        let moved = self.pose.iter().zip(blade);
+        let moved = moved.map(|(&p, &q)| (to_f64(q) - to_f64(p)).norm());
+        let motion = moved.fold(0.0, f64::max);
+        let back = self.back.unwrap_or(0.0);
+        if !is_ahead && let Some(back) = self.path.find(surface, blade, back, motion, width) {
+            self.pose.clear();
+            self.pose.extend_from_slice(blade);
+            self.back = Some(back);
+            return Ok(None);
+        }
+        if self.back.is_some() && !is_ahead && !self.passes_tip(surface, blade, width) {
+            self.leave();
+            return Ok(Some(Approach::default()));
+        }
+        Ok(Some(Approach {
+            map,
+            stands: standing(&leads, leaves),
+            ahead: leads.iter().map(|lead| lead.ahead).collect(),
+            leaves,
+        }))
     }
 
     /// Returns the sweep from the tip, or from the last pose, to a new pose.
     ///
     /// Beside the tip it rises from the surface by up to `rise` local edge lengths. None for a
-    /// motion along the blade's edge, which leaves the tip.
+    /// motion along the blade's edge. `near` finds the triangles in a box.
     ///
     /// # Errors
     /// As [`Sweep::strip`].
     pub(crate) fn stroke(
         &mut self,
         surface: &Surface,
-        bvh: &Bvh,
+        approach: &Approach,
         blade: &[[f32; 3]],
         rise: f64,
+        near: impl FnMut(&Aabb) -> Vec<TriangleId>,
     ) -> Result<Option<Stroke>, CutError> {
-        let mut columns = self.columns(surface, blade, rise);
-        if self.is_inside() {
-            spread(&mut columns, surface, bvh, blade);
-        }
-        let previous: Vec<[f32; 3]> = columns.iter().map(|c| to_f32(c.previous)).collect();
-        let parameters: Vec<f64> = columns.iter().map(|c| c.parameter).collect();
-        let current = parameters
-            .iter()
-            .map(|&parameter| to_f32(point_at(blade, parameter)));
-        let current: Vec<[f32; 3]> = current.collect();
-        let sweep = match Sweep::strip(&previous, &current) {
+        let map = &approach.map;
+        let Some(columns) = self.front(surface, approach, blade, rise, near) else {
+            return Ok(None);
+        };
+        let points = |of: fn(&Column) -> Vec3| -> Vec<[f32; 3]> {
+            columns.iter().map(|column| to_f32(of(column))).collect()
+        };
+        let sweep = Sweep::strip(&points(|c| c.previous), &points(|c| c.current));
+        let sweep = match sweep {
             Err(CutError::BladeDegenerate) => {
-                self.restart(blade);
+                if !self.is_inside() {
+                    self.restart(blade);
+                }
                 return Ok(None);
             }
             sweep => sweep?,
@@ -260,11 +318,65 @@ impl Incision {
             };
             tip.half_edges.extend(columns.windows(2).map(half_edge));
         }
+        let mut present = sweep.clone();
+        if !map.is_identity() {
+            let current = columns.iter().map(|c| point_at(blade, c.parameter));
+            tip.present.extend(current);
+            let previous = columns.iter().map(|c| {
+                let place = (!c.vertex.is_null()).then(|| surface.rest_position(c.vertex));
+                to_f32(place.unwrap_or_else(|| point_at(&self.pose, c.parameter)))
+            });
+            let previous: Vec<[f32; 3]> = previous.collect();
+            let current: Vec<[f32; 3]> = tip.present.iter().map(|&p| to_f32(p)).collect();
+            present = Sweep::strip(&previous, &current).unwrap_or(present);
+        }
         Ok(Some(Stroke {
             sweep,
+            present,
             tip,
-            parameters,
+            parameters: columns.iter().map(|c| c.parameter).collect(),
         }))
+    }
+
+    /// Returns the points of the next sweep; none if a blade outside has its front inside.
+    fn front(
+        &self,
+        surface: &Surface,
+        approach: &Approach,
+        blade: &[[f32; 3]],
+        rise: f64,
+        mut near: impl FnMut(&Aabb) -> Vec<TriangleId>,
+    ) -> Option<Vec<Column>> {
+        let reaches = if approach.leaves {
+            &REACHES[..]
+        } else {
+            &REACHES[..1]
+        };
+        let mut first = None;
+        for reach in reaches {
+            let offsets: Vec<Vec3> = (approach.ahead.iter())
+                .map(|ahead| ahead * (reach * self.local))
+                .collect();
+            let poses = Poses {
+                map: &approach.map,
+                stands: &approach.stands,
+                offsets: &offsets,
+                last: &self.pose,
+                new: blade,
+            };
+            let mut columns = self.columns(surface, &poses, rise);
+            if !self.is_inside() {
+                return Some(columns);
+            }
+            let points = columns.iter().map(|column| to_f32(column.current));
+            let near = near(&Aabb::around(points));
+            spread(&mut columns, surface, &near, &poses);
+            if !approach.leaves || !columns::is_inside(&columns, surface, &near) {
+                return Some(columns);
+            }
+            first = first.or(Some(columns));
+        }
+        first
     }
 
     /// Returns whether the blade is at the tip on its way to a new pose, up to `width` \[m\].
@@ -273,14 +385,44 @@ impl Incision {
         let off = |pose: &[[f32; 3]]| {
             ends.map(|end| point_at(pose, end.parameter) - surface.position(end.vertex))
         };
-        do_vanish(off(&self.pose), off(blade), 0.0, width)
+        do_vanish(off(&self.pose), off(blade), 0.0, [[width; 2]; 2])
     }
+}
 
-    /// Returns whether a part of the blade is far enough from the tip for the next step.
-    fn has_moved(&self, surface: &Surface, blade: &[[f32; 3]]) -> bool {
-        self.tip.iter().any(|point| {
-            let motion = point_at(blade, point.parameter) - surface.position(point.vertex);
-            motion.norm() >= MIN_STEP * self.local
-        })
+/// Returns a tip with the vertices of the last one that keep their places, in order.
+///
+/// A part that has moved begins and ends at such vertices, or where the last tip did.
+fn with_standing(moved: Vec<TipPoint>, last: &[TipPoint], stands: &[bool]) -> Vec<TipPoint> {
+    let mut tip = moved;
+    let is_kept = |i: usize| {
+        let stays = |i: usize| stands.get(i) == Some(&true);
+        stays(i) && last[i].is_joined && stays(i + 1)
+    };
+    for i in (0..last.len().saturating_sub(1)).filter(|&i| is_kept(i)) {
+        let place = |tip: &[TipPoint], v: VertexId| tip.iter().position(|p| p.vertex == v);
+        let [from, to] = [last[i], last[i + 1]];
+        match (place(&tip, from.vertex), place(&tip, to.vertex)) {
+            (Some(at), None) => {
+                tip[at].is_joined = true;
+                tip.insert(
+                    at + 1,
+                    TipPoint {
+                        is_joined: false,
+                        ..to
+                    },
+                );
+            }
+            (None, Some(at)) => tip.insert(at, from),
+            (Some(at), Some(_)) => tip[at].is_joined = true,
+            (None, None) => {
+                let at = tip.partition_point(|p| p.parameter <= from.parameter);
+                let end = TipPoint {
+                    is_joined: false,
+                    ..to
+                };
+                tip.splice(at..at, [from, end]);
+            }
+        }
     }
+    tip
 }

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod affine;
 mod blade_position;
 mod cap_marker;
 mod curves;

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod box_scan;
 mod bucket_sort;
 mod bvh;
 #[cfg(feature = "io")]
@@ -25,6 +26,7 @@ mod shapes;
 mod surface;
 mod topology;
 
+pub use box_scan::BoxScan;
 pub use bvh::{Bvh, InvalidBvh, MotionBounds, MovingPoint, NearestPoint, RayHit};
 #[cfg(feature = "io")]
 pub use check::{Defect, MeshReport, NotCuttable, RepairParams, RepairedCounts, check, check_with};

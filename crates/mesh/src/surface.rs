@@ -10,6 +10,7 @@ mod append;
 mod attributes;
 mod channels;
 mod corner_values;
+mod exchange;
 mod origin;
 mod parts;
 mod validate;
@@ -18,6 +19,7 @@ pub use attributes::{AttributeLengthError, CornerAttributes};
 pub(crate) use channels::Row;
 pub use channels::{Blend, Channel, ChannelError, Domain, MAX_WIDTH};
 pub use corner_values::{CornerValues, TriangleCorners};
+pub(crate) use exchange::exchange;
 pub use validate::InvalidSurface;
 
 /// A triangle surface as a structure of arrays.

@@ -1,13 +1,14 @@
 //! Incisions: sweeps that end inside a body, and blades that move on from the tip of such a cut.
 
 use super::Cutter;
+use crate::blade_position::is_in_body;
 use crate::error::CutError;
-use crate::incision::{Incision, Stroke};
+use crate::incision::{Approach, Incision, Stroke};
 use crate::intersection::facets::ContinuedTip;
 use crate::outcome::CutOutcome;
 use crate::params::CutParams;
 use crate::sweep::Sweep;
-use incise_mesh::Surface;
+use incise_mesh::{Aabb, Bvh, Surface, TriangleId};
 
 /// Rises of the sweep beside a tip, tried in turn until a step can be cut and starts outside the
 /// body [local edge lengths].
@@ -76,9 +77,39 @@ impl Cutter {
         params: &CutParams,
     ) -> Result<CutOutcome, CutError> {
         self.check_bvh(surface)?;
-        if !incision.begin_step(surface, blade)? {
+        let near = |bounds: &Aabb| near(&self.bvh, surface, bounds);
+        let is_inside = |point| is_in_body(surface, &self.sheets(surface), point);
+        let Some(approach) = incision.begin_step(surface, blade, near, is_inside)? else {
             return Ok(CutOutcome::default());
+        };
+        if approach.map.is_identity() {
+            return self.step(surface, incision, &approach, blade, params);
         }
+        let defers_bvh = std::mem::replace(&mut self.defers_bvh, true);
+        let result = surface.with_shapes_exchanged(|surface| {
+            self.step(surface, incision, &approach, blade, params)
+        });
+        self.defers_bvh = defers_bvh;
+        let mut outcome = result?;
+        if let Some(undo) = &mut outcome.undo {
+            undo.exchange_shapes(surface);
+            incision.finish_exchange(surface);
+            if !defers_bvh {
+                self.update_bvh(surface, &outcome.delta);
+            }
+        }
+        Ok(outcome)
+    }
+
+    /// Cuts from the tip of `incision` to a new pose, in the shape in which the positions are.
+    fn step(
+        &mut self,
+        surface: &mut Surface,
+        incision: &mut Incision,
+        approach: &Approach,
+        blade: &[[f32; 3]],
+        params: &CutParams,
+    ) -> Result<CutOutcome, CutError> {
         // A blade outside of the body has no tip beside which it could rise.
         let beside_tip = if incision.is_inside() {
             &RISES[..]
@@ -87,7 +118,15 @@ impl Cutter {
         };
         let outside = beside_tip.iter().map(|&rise| (rise, false));
         for (rise, may_start_inside) in outside.chain([(RISES[0], true)]) {
-            let Some(stroke) = incision.stroke(surface, &self.bvh, blade, rise)? else {
+            let near = |bounds: &Aabb| {
+                if approach.map.is_identity() {
+                    return near(&self.bvh, surface, bounds);
+                }
+                let mut found = Vec::new();
+                self.scan.query(surface, bounds, &mut found);
+                found
+            };
+            let Some(stroke) = incision.stroke(surface, approach, blade, rise, near)? else {
                 break;
             };
             let Stroke { sweep, tip, .. } = &stroke;
@@ -95,12 +134,19 @@ impl Cutter {
                 Err(error) if is_retried(&error) && !may_start_inside => {}
                 result => {
                     let (outcome, taken) = result?;
-                    if outcome.is_miss() {
-                        incision.restart(blade);
-                    } else {
+                    if !outcome.is_miss() {
+                        let taken = if approach.map.is_identity() {
+                            taken
+                        } else {
+                            stroke.present
+                        };
                         let (facets, trace) = (&self.facets, &self.trace);
                         let tip = (self.exact).tip(surface, facets, trace, &stroke.parameters);
-                        incision.finish_step(blade, tip, taken, trace.max_local());
+                        let copies = |v| self.exact.copies(trace, v);
+                        let local = trace.max_local();
+                        incision.finish_step(blade, tip, taken, local, approach, copies);
+                    } else if !incision.is_inside() {
+                        incision.restart(blade);
                     }
                     return Ok(outcome);
                 }
@@ -149,4 +195,11 @@ fn is_retried(error: &CutError) -> bool {
         error,
         CutError::TipBlocked { .. } | CutError::OpenSection | CutError::NotManifold { .. }
     )
+}
+
+/// Returns the triangles whose bounding boxes touch a box.
+fn near(bvh: &Bvh, surface: &Surface, bounds: &Aabb) -> Vec<TriangleId> {
+    let mut found = Vec::new();
+    bvh.traverse(surface, |b| b.overlaps(bounds), &mut found);
+    found
 }

@@ -13,11 +13,11 @@ mod spacing;
 mod windings;
 
 use super::open::Sides;
-use super::rest::RestMap;
+use super::rest::fit_rest;
 use super::rim::Rim;
 use crate::blade_position::is_in_body;
 use crate::error::CutError;
-use crate::intersection::facets::Facets;
+use crate::intersection::facets::{EdgeKind, Facets};
 use crate::intersection::node::Node;
 use crate::intersection::trace::Curve;
 use crate::sweep::Sweep;
@@ -101,7 +101,7 @@ impl Chains {
         for solid in solids {
             let from = self.piercings.partition_point(|p| p.solid < solid);
             let to = self.piercings.partition_point(|p| p.solid <= solid);
-            let starts_inside = || is_in_body(edit.surface(), at.is_sheet, at.sweep);
+            let starts_inside = || is_in_body(edit.surface(), at.is_sheet, at.sweep.points()[0]);
             self.count_windings(at.facets, from..to, solid, starts_inside);
             self.find_ends(at.facets, from..to, solid);
             self.add_chains(edit, at, sides, from..to, solid);
@@ -153,7 +153,7 @@ impl Chains {
         };
         let map = (self.ends.iter().any(has_corner)).then(|| {
             let curves = known.iter().map(|&node| at.rim.curve_of[node as usize]);
-            RestMap::fit(edit.surface(), at.rim, sides, curves)
+            fit_rest(edit.surface(), at.rim, sides, curves)
         });
         let lengths = known.iter().map(|&node| at.lengths[node as usize]);
         let coarsest = lengths.fold(0.0, f64::max);
@@ -168,7 +168,10 @@ impl Chains {
                     let position = at.facets.corner(corner);
                     let known = self.corners.iter().find(|c| (c.0, c.1) == (corner, level));
                     known.map(|c| c.2).unwrap_or_else(|| {
-                        let rest = map.at(position);
+                        let rest = at
+                            .facets
+                            .present(corner)
+                            .unwrap_or_else(|| map.at(position));
                         let vertex = add_corner(edit, position, rest, anchors);
                         let node = self.add_node(sides, position, coarsest, [vertex; 2]);
                         self.corners.push((corner, level, node));
@@ -206,7 +209,7 @@ impl Chains {
         let goes_on = |(corner, node): (u32, u32)| {
             is_inner(corner) && self.corners.iter().any(|c| (c.0, c.2) == (corner, node))
         };
-        facets.is_front(edge) && !corners.into_iter().zip(ends).any(goes_on)
+        facets.kind(edge) == EdgeKind::Current && !corners.into_iter().zip(ends).any(goes_on)
     }
 
     /// Makes the nodes between the ends of a chain, spaced by the target lengths.

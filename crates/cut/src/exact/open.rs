@@ -89,6 +89,7 @@ impl Sides {
         let ContinuedTip {
             vertices,
             half_edges,
+            ..
         } = facets.tip();
         for (i, node) in trace.nodes.iter().enumerate() {
             let On::Tip(vertex) = node.on else { continue };

@@ -2,7 +2,8 @@
 
 use super::Exact;
 use crate::incision::TipPoint;
-use crate::intersection::facets::Facets;
+use crate::intersection::facets::{EdgeKind, Facets};
+use crate::intersection::node::On;
 use crate::intersection::trace::Trace;
 use incise_mesh::{Surface, Vec3, VertexId};
 
@@ -34,7 +35,8 @@ impl Exact {
         let chains = self.chains.chains.iter();
         let chains = chains.map(|chain| (chain.edge, &self.chains.nodes[chain.nodes.clone()]));
         let ends = ends.iter().map(|(edge, end)| (*edge, end.as_slice()));
-        let current = (chains.chain(ends)).filter(|&(edge, _)| facets.is_front(edge));
+        let current =
+            (chains.chain(ends)).filter(|&(edge, _)| facets.kind(edge) == EdgeKind::Current);
         let range = |edge: u32| {
             let pair = facets.pair_of(edge).unwrap_or_default() as usize;
             [parameters[pair], parameters[pair + 1]]
@@ -84,6 +86,12 @@ impl Exact {
             }
         }
         tip
+    }
+
+    /// Returns the vertices below and above the sweep that the cut has made of one of the tip.
+    pub(crate) fn copies(&self, trace: &Trace, vertex: VertexId) -> Option<[VertexId; 2]> {
+        let node = (trace.nodes.iter()).position(|node| node.on == On::Tip(vertex))?;
+        Some(self.sides.vertices[node])
     }
 
     /// Returns the vertex of a node along the tip, which both walls share.

@@ -1,8 +1,10 @@
 //! The points of the next sweep: where it begins at the tip, and where it ends on the blade.
 
 use super::Incision;
+use super::map::BladeMap;
+use super::piercings::pierced_at;
 use incise_mesh::geometry::{area_vector, to_f64};
-use incise_mesh::{Aabb, Bvh, Surface, TriangleId, Vec3, VertexId};
+use incise_mesh::{Surface, TriangleId, Vec3, VertexId};
 
 /// Displacement of the sweep beyond the ends of a tip [local edge lengths].
 const WIDENING: f64 = 0.3;
@@ -25,13 +27,16 @@ const CLEARANCE: f64 = 0.1;
 /// Its maximum [motion of the blade].
 const MAX_CLEARANCE: f64 = 0.5;
 
-/// A point of the blade in both poses of the next sweep.
+/// A point of the blade in both poses of the next sweep, in the shape in which that cuts.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Column {
     /// Its parameter on the blade now, see [`TipPoint::parameter`].
     pub(super) parameter: f64,
-    /// Its position before the step \[m\].
+    /// Its position before the step and after it \[m\].
     pub(super) previous: Vec3,
+    pub(super) current: Vec3,
+    /// Displacement of the current position from the blade \[m\].
+    offset: Vec3,
     /// The incoming and the outgoing vertex of the tip, or null. They differ across two coincident
     /// walls.
     pub(super) vertex: VertexId,
@@ -40,19 +45,66 @@ pub(super) struct Column {
     pub(super) is_joined: bool,
     /// Whether the next part of the tip began at the same parameter, across a gap that has opened.
     meets_next: bool,
+    /// Whether it is a vertex of the tip that keeps its place in this step.
+    stands: bool,
 }
 
 impl Column {
     /// Makes a column off the tip.
-    fn outside(parameter: f64, previous: Vec3) -> Self {
+    fn outside(parameter: f64, previous: Vec3, current: Vec3) -> Self {
         Self {
             parameter,
             previous,
+            current,
+            offset: Vec3::zeros(),
             vertex: VertexId::NULL,
             begins: VertexId::NULL,
             is_joined: false,
             meets_next: false,
+            stands: false,
         }
+    }
+
+    /// Returns the column at another parameter.
+    fn moved(self, parameter: f64, poses: &Poses<'_>) -> Self {
+        Self {
+            parameter,
+            current: poses.current(parameter) + self.offset,
+            ..self
+        }
+    }
+
+    fn is_tip(&self) -> bool {
+        !self.vertex.is_null()
+    }
+
+    /// Returns whether the tip goes on to the next column.
+    fn goes_on(&self) -> bool {
+        self.is_joined || self.meets_next
+    }
+}
+
+/// The blade in its last and in its new pose, and the map to the shape in which it cuts.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Poses<'a> {
+    pub(super) map: &'a BladeMap,
+    /// By vertex of the tip, whether it keeps its place, and the displacement of its next position
+    /// from the blade \[m\].
+    pub(super) stands: &'a [bool],
+    pub(super) offsets: &'a [Vec3],
+    pub(super) last: &'a [[f32; 3]],
+    pub(super) new: &'a [[f32; 3]],
+}
+
+impl Poses<'_> {
+    /// Returns the point at a parameter in the last pose \[m\].
+    fn previous(&self, parameter: f64) -> Vec3 {
+        self.map.at(parameter, point_at(self.last, parameter))
+    }
+
+    /// Returns the point at a parameter in the new pose \[m\].
+    pub(super) fn current(&self, parameter: f64) -> Vec3 {
+        self.map.at(parameter, point_at(self.new, parameter))
     }
 }
 
@@ -63,8 +115,49 @@ impl Incision {
     /// from there to the blade's last pose could cross the surface once more. And a body is often
     /// symmetric, so that the same point of the blade enters and leaves it. The sweep rises by up
     /// to `rise` local edge lengths; if that is 0, it goes back to the blade's last pose.
-    pub(super) fn columns(&self, surface: &Surface, blade: &[[f32; 3]], rise: f64) -> Vec<Column> {
-        let mut columns: Vec<Column> = Vec::new();
+    pub(super) fn columns(&self, surface: &Surface, poses: &Poses<'_>, rise: f64) -> Vec<Column> {
+        let mut columns = self.points_outside(poses);
+        columns.extend(self.points_of_tip(surface, poses));
+        columns.sort_by(|a, b| a.parameter.total_cmp(&b.parameter));
+        without_idle(&mut columns);
+        let mut out = Vec::with_capacity(columns.len() + 4);
+        for (i, &column) in columns.iter().enumerate() {
+            let before = i.checked_sub(1).map(|i| columns[i]);
+            let after = columns.get(i + 1).copied();
+            let mut own = column;
+            let mut risen = |beyond: Column| {
+                let [a, b] = [column, beyond].map(|c| c.current);
+                let local = self.local;
+                let part = (WIDENING * local / (b - a).norm()).min(MAX_WIDENING);
+                let step = (beyond.parameter - column.parameter) * part;
+                own = column.moved(column.parameter + step, poses);
+                let room = MAX_RISE * (beyond.previous - column.previous).norm();
+                let height = rise * local.min(room);
+                let previous = if height > 0.0 {
+                    column.previous + outward(surface, column, a - b, a) * height
+                } else {
+                    poses.previous(column.parameter + step)
+                };
+                let risen = Column {
+                    offset: column.offset,
+                    ..Column::outside(0.0, previous, previous)
+                };
+                risen.moved(column.parameter + 2.0 * step, poses)
+            };
+            let moves = column.is_tip() && !column.stands;
+            let is_first = moves && !before.is_some_and(|before| before.goes_on());
+            let is_last = moves && !column.goes_on();
+            out.extend(before.filter(|_| is_first).map(&mut risen));
+            let risen = after.filter(|_| is_last).map(risen);
+            out.push(own);
+            out.extend(risen);
+        }
+        out
+    }
+
+    /// Returns columns at the points of the blade that are not in the body.
+    fn points_outside(&self, poses: &Poses<'_>) -> Vec<Column> {
+        let mut columns = Vec::new();
         for (i, point) in self.pose.iter().enumerate() {
             #[expect(clippy::cast_precision_loss, reason = "few points")]
             let parameter = i as f64;
@@ -78,9 +171,16 @@ impl Incision {
                 distance <= MAX_TIP_DISTANCE * self.local
             });
             if !is_covered && !is_at_tip {
-                columns.push(Column::outside(parameter, to_f64(*point)));
+                let [previous, current] = [poses.previous(parameter), poses.current(parameter)];
+                columns.push(Column::outside(parameter, previous, current));
             }
         }
+        columns
+    }
+
+    /// Returns columns at the vertices of the tip; one for two across coincident walls.
+    fn points_of_tip(&self, surface: &Surface, poses: &Poses<'_>) -> Vec<Column> {
+        let mut columns: Vec<Column> = Vec::new();
         for (i, point) in self.tip.iter().enumerate() {
             let previous = surface.position(point.vertex);
             if let (Some(last), Some(before)) = (columns.last_mut(), i.checked_sub(1))
@@ -90,49 +190,50 @@ impl Incision {
                 last.begins = point.vertex;
                 last.is_joined = point.is_joined;
                 last.meets_next = point.meets_next;
+                last.stands &= poses.stands[i];
                 continue;
             }
+            let offset = poses.offsets[i];
             columns.push(Column {
                 parameter: point.parameter,
                 previous,
+                current: poses.current(point.parameter) + offset,
+                offset,
                 vertex: point.vertex,
                 begins: point.vertex,
                 is_joined: point.is_joined,
                 meets_next: point.meets_next,
+                stands: poses.stands[i],
             });
         }
-        columns.sort_by(|a, b| a.parameter.total_cmp(&b.parameter));
-        let mut out = Vec::with_capacity(columns.len() + 4);
-        for (i, &column) in columns.iter().enumerate() {
-            let is_tip = !column.vertex.is_null();
-            let before = i.checked_sub(1).map(|i| columns[i]);
-            let after = columns.get(i + 1).copied();
-            let mut own = column;
-            let mut risen = |beyond: Column| {
-                let [a, b] = [column, beyond].map(|c| point_at(blade, c.parameter));
-                let local = self.local;
-                let part = (WIDENING * local / (b - a).norm()).min(MAX_WIDENING);
-                let step = (beyond.parameter - column.parameter) * part;
-                own.parameter = column.parameter + step;
-                let room = MAX_RISE * (beyond.previous - column.previous).norm();
-                let height = rise * local.min(room);
-                let previous = if height > 0.0 {
-                    column.previous + outward(surface, column, a - b, a) * height
-                } else {
-                    point_at(&self.pose, column.parameter + step)
-                };
-                Column::outside(column.parameter + 2.0 * step, previous)
-            };
-            let goes_on = |column: Column| column.is_joined || column.meets_next;
-            let is_first = is_tip && !before.is_some_and(goes_on);
-            let is_last = is_tip && !goes_on(column);
-            out.extend(before.filter(|_| is_first).map(&mut risen));
-            let risen = after.filter(|_| is_last).map(risen);
-            out.push(own);
-            out.extend(risen);
+        for column in columns.iter_mut().filter(|column| column.stands) {
+            column.current = column.previous;
         }
-        out
+        columns
     }
+}
+
+/// Removes columns from which the tip does not go on: vertices that stand beside others that do,
+/// and points outside beside an end that stands.
+fn without_idle(columns: &mut Vec<Column>) {
+    for i in 1..columns.len() {
+        let are_both = columns[i - 1].stands && columns[i].stands;
+        columns[i - 1].is_joined &= !are_both;
+        columns[i - 1].meets_next &= !are_both;
+    }
+    let moves = |column: Option<&Column>| column.is_some_and(|c| c.is_tip() && !c.stands);
+    let is_used = |i: usize| {
+        let before = i.checked_sub(1).map(|i| &columns[i]);
+        let (own, after) = (&columns[i], columns.get(i + 1));
+        if !own.stands {
+            // A blade without a tip moves as a whole.
+            return own.is_tip() || ![before, after].into_iter().flatten().any(|c| c.stands);
+        }
+        (before.is_some_and(Column::goes_on) && moves(before)) || (own.goes_on() && moves(after))
+    };
+    let used: Vec<bool> = (0..columns.len()).map(is_used).collect();
+    let mut used = used.into_iter();
+    columns.retain(|_| used.next().unwrap_or_default());
 }
 
 /// Returns the unit vector half way between the blade and the direction away from the surface at a
@@ -178,56 +279,45 @@ pub(super) fn point_at(line: &[[f32; 3]], parameter: f64) -> Vec3 {
 /// Moves the points of the next sweep along the blade, away from where that pierces the surface.
 ///
 /// There the sweep's curves end. A point close to an end would leave a tip that turns back.
-pub(super) fn spread(columns: &mut [Column], surface: &Surface, bvh: &Bvh, blade: &[[f32; 3]]) {
-    let piercings = piercings(columns, surface, bvh, blade);
+/// `near` has all triangles that the blade may pierce.
+pub(super) fn spread(
+    columns: &mut [Column],
+    surface: &Surface,
+    near: &[TriangleId],
+    poses: &Poses<'_>,
+) {
+    let piercings = front_piercings(columns, surface, near);
     for (i, &[parameter, clearance]) in piercings.iter().enumerate() {
         let others = [i.checked_sub(1), Some(i + 1)].into_iter().flatten();
         let others = others.filter_map(|j| piercings.get(j));
         let room = others.map(|other| (other[0] - parameter).abs() / 2.0);
         let to_point = (parameter - parameter.round()).abs();
         let reach = room.fold(to_point, f64::min).min(3.0 * clearance);
-        for column in &mut *columns {
+        for column in columns.iter_mut().filter(|column| !column.stands) {
             let distance = column.parameter - parameter;
             if distance.abs() < reach {
                 let moved = (reach + 2.0 * distance.abs()) / 3.0;
-                column.parameter = parameter + moved.copysign(distance);
+                *column = column.moved(parameter + moved.copysign(distance), poses);
             }
         }
     }
 }
 
 /// Returns the parameters at which the blade pierces the surface, ascending, with clearances.
-fn piercings(
-    columns: &[Column],
-    surface: &Surface,
-    bvh: &Bvh,
-    blade: &[[f32; 3]],
-) -> Vec<[f64; 2]> {
-    let mut candidates: Vec<TriangleId> = Vec::new();
+fn front_piercings(columns: &[Column], surface: &Surface, near: &[TriangleId]) -> Vec<[f64; 2]> {
     let mut found = Vec::new();
-    for (i, ends) in blade.windows(2).enumerate() {
-        let (p, q) = (to_f64(ends[0]), to_f64(ends[1]));
-        candidates.clear();
-        bvh.traverse(surface, |bounds| touches(bounds, p, q), &mut candidates);
-        for corners in candidates.iter().map(|&t| surface.triangle_positions(t)) {
-            let [a, b, c] = corners;
-            let normal = area_vector(corners);
-            let [from, to] = [p, q].map(|x| normal.dot(&(x - a)));
-            let part = from / (from - to);
-            let at = p + (q - p) * part;
-            let is_inside = |(u, v): (Vec3, Vec3)| normal.dot(&area_vector([u, v, at])) >= 0.0;
-            if (from < 0.0) != (to < 0.0) && [(a, b), (b, c), (c, a)].into_iter().all(is_inside) {
+    for pair in columns.windows(2) {
+        let (p, q) = (pair[0].current, pair[1].current);
+        let [from, to] = [0, 1].map(|k| pair[k].parameter);
+        for corners in near.iter().map(|&t| surface.triangle_positions(t)) {
+            if let Some(part) = pierced_at(corners, p, q) {
+                let [a, b, c] = corners;
                 let mean = ((b - a).norm() + (c - b).norm() + (a - c).norm()) / 3.0;
-                #[expect(clippy::cast_precision_loss, reason = "few points")]
-                let parameter = i as f64 + part;
-                let nearest = |c: &&Column| (c.parameter - parameter).abs();
-                let column = columns
-                    .iter()
-                    .min_by(|a, b| nearest(a).total_cmp(&nearest(b)));
-                let motion =
-                    column.map_or(0.0, |c| (point_at(blade, c.parameter) - c.previous).norm());
+                let nearest = if part < 0.5 { &pair[0] } else { &pair[1] };
+                let motion = (nearest.current - nearest.previous).norm();
                 let clearance = (CLEARANCE * mean).min(MAX_CLEARANCE * motion);
-                found.push([parameter, clearance / (q - p).norm()]);
+                let speed = (to - from) / (q - p).norm();
+                found.push([from + (to - from) * part, clearance * speed]);
             }
         }
     }
@@ -235,21 +325,14 @@ fn piercings(
     found
 }
 
-/// Returns whether the line from `p` to `q` may touch a box, up to rounding.
-fn touches(bounds: &Aabb, p: Vec3, q: Vec3) -> bool {
-    let (mut first, mut last) = (0.0, 1.0);
-    for k in 0..3 {
-        let [low, high] = [bounds.min[k], bounds.max[k]].map(f64::from);
-        let along = q[k] - p[k];
-        if along == 0.0 {
-            if p[k] < low || p[k] > high {
-                return false;
-            }
-            continue;
-        }
-        let [s, t] = [low, high].map(|bound| (bound - p[k]) / along);
-        first = s.min(t).max(first);
-        last = s.max(t).min(last);
-    }
-    first <= last
+/// Returns whether the front of the tip's moving vertices, and beside them, pierces the surface.
+///
+/// `near` has all triangles that it may pierce.
+pub(super) fn is_inside(columns: &[Column], surface: &Surface, near: &[TriangleId]) -> bool {
+    let moves = |column: &Column| column.is_tip() && !column.stands;
+    let mut front = (columns.windows(2)).filter(|pair| pair.iter().any(moves));
+    front.any(|pair| {
+        let mut corners = near.iter().map(|&t| surface.triangle_positions(t));
+        corners.any(|corners| pierced_at(corners, pair[0].current, pair[1].current).is_some())
+    })
 }

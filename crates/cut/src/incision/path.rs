@@ -2,14 +2,31 @@
 
 use super::TipPoint;
 use super::columns::point_at;
-use incise_mesh::{Surface, Vec3};
+use incise_mesh::{Surface, Vec3, VertexId};
 
 /// The way of a blade since it entered the body: the pose before, then the ends of each tip.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Path {
     pub(super) entry: Vec<[f32; 3]>,
-    pub(super) tips: Vec<[TipPoint; 2]>,
+    pub(super) tips: Vec<[PathPoint; 2]>,
+}
+
+/// An end of a tip, once the blade has moved on: a vertex on each side of the slit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct PathPoint {
+    sides: [VertexId; 2],
+    /// See [`TipPoint::parameter`].
+    parameter: f64,
+}
+
+impl PathPoint {
+    /// Returns the middle between both sides, and its distance from them \[m\].
+    fn middle(&self, surface: &Surface) -> (Vec3, f64) {
+        let [a, b] = self.sides.map(|v| surface.position(v));
+        ((a + b) / 2.0, (b - a).norm() / 2.0)
+    }
 }
 
 impl Path {
@@ -24,11 +41,22 @@ impl Path {
     }
 
     pub(super) fn push(&mut self, tip: &[TipPoint]) {
-        self.tips.push([tip[0], tip[tip.len() - 1]]);
+        let ends = [tip[0], tip[tip.len() - 1]];
+        self.tips.push(ends.map(|end| PathPoint {
+            sides: [end.vertex; 2],
+            parameter: end.parameter,
+        }));
+    }
+
+    /// Replaces the ends of the last tip by the two vertices that a step has made of each.
+    pub(super) fn open_tip(&mut self, copies: impl Fn(VertexId) -> Option<[VertexId; 2]>) {
+        for end in self.tips.last_mut().into_iter().flatten() {
+            end.sides = copies(end.sides[0]).unwrap_or(end.sides);
+        }
     }
 
     /// Returns how far behind the tip a blade is, if it is on the way or behind its start, up to
-    /// `width` \[m\].
+    /// `width` and the distance of the walls \[m\].
     ///
     /// The blade was `back` behind the tip and has moved by `motion` \[m\]. So it cannot be where
     /// the way crosses itself.
@@ -42,45 +70,54 @@ impl Path {
     ) -> Option<f64> {
         let slots = surface.topology().vertex_slots();
         let reach = 2.0 * (motion + width);
-        let mut behind = 0.0;
+        // A segment counts from the place of its end on, so the one before may begin far ahead.
+        let (mut behind, mut previous) = (0.0, 0.0);
         for (i, tip) in self.tips.iter().enumerate().rev() {
             let before = i.checked_sub(1).map(|i| self.tips[i]);
             let mut ends = tip.iter().chain(before.iter().flatten());
-            if behind > back + reach || ends.any(|end| end.vertex.index() >= slots) {
+            let is_gone = ends.any(|end| end.sides.iter().any(|v| v.index() >= slots));
+            if behind > back + reach + previous || is_gone {
                 return None;
             }
-            let to = tip.map(|end| surface.position(end.vertex));
+            let to = tip.map(|end| end.middle(surface));
             let (parameters, from) = match before {
                 Some(before) => (
                     before.map(|end| end.parameter),
-                    before.map(|end| surface.position(end.vertex)),
+                    before.map(|end| end.middle(surface)),
                 ),
                 None => (
                     tip.map(|end| end.parameter),
-                    tip.map(|end| point_at(&self.entry, end.parameter)),
+                    tip.map(|end| (point_at(&self.entry, end.parameter), 0.0)),
                 ),
             };
             // The distances of the blade from the tip's ends change linearly along the way.
-            let first = [0, 1].map(|k| point_at(blade, parameters[k]) - from[k]);
-            let last = [0, 1].map(|k| point_at(blade, tip[k].parameter) - to[k]);
+            let first = [0, 1].map(|k| point_at(blade, parameters[k]) - from[k].0);
+            let last = [0, 1].map(|k| point_at(blade, tip[k].parameter) - to[k].0);
             let earliest = if before.is_some() {
                 0.0
             } else {
                 f64::NEG_INFINITY
             };
-            let length = (0..2).fold(0.0, |m, k| (to[k] - from[k]).norm().max(m));
-            if behind + length >= back - reach && do_vanish(first, last, earliest, width) {
+            let length = (0..2).fold(0.0, |m, k| (to[k].0 - from[k].0).norm().max(m));
+            let widths = [from, to].map(|ends| ends.map(|end| width + end.1));
+            if behind + length >= back - reach && do_vanish(first, last, earliest, widths) {
                 return Some(behind);
             }
             behind += length;
+            previous = length;
         }
         None
     }
 }
 
-/// Returns whether two vectors that change linearly are both at most as long as `width` at a time
-/// from `earliest` to 1.
-pub(super) fn do_vanish(from: [Vec3; 2], to: [Vec3; 2], earliest: f64, width: f64) -> bool {
+/// Returns whether two vectors that change linearly are both at most as long as `widths`, which
+/// change with them, at a time from `earliest` to 1.
+pub(super) fn do_vanish(
+    from: [Vec3; 2],
+    to: [Vec3; 2],
+    earliest: f64,
+    [first, last]: [[f64; 2]; 2],
+) -> bool {
     let change = [0, 1].map(|k| to[k] - from[k]);
     let along: f64 = (0..2).map(|k| change[k].dot(&from[k])).sum();
     let length: f64 = change.iter().map(Vec3::norm_squared).sum();
@@ -89,5 +126,6 @@ pub(super) fn do_vanish(from: [Vec3; 2], to: [Vec3; 2], earliest: f64, width: f6
     } else {
         1.0
     };
-    (0..2).all(|k| (from[k] + change[k] * part).norm() <= width)
+    let width = |k: usize| first[k] + (last[k] - first[k]) * part.max(0.0);
+    (0..2).all(|k| (from[k] + change[k] * part).norm() <= width(k))
 }

@@ -45,6 +45,15 @@ pub(crate) struct ContinuedTip {
     /// By pair of neighbors, the half-edge from the second vertex of the first to the first vertex
     /// of the second along the tip, or null.
     pub(crate) half_edges: Vec<HalfEdge>,
+    /// The current points in the present shape \[m\], if the sweep is in the rest shape.
+    pub(crate) present: Vec<Vec3>,
+}
+
+impl ContinuedTip {
+    /// Returns whether the sweep is in the rest shape of the body.
+    pub(crate) fn is_in_rest_shape(&self) -> bool {
+        !self.present.is_empty()
+    }
 }
 
 /// A corner of a facet that is a corner of a mesh triangle.
@@ -79,7 +88,8 @@ impl Facets {
     /// Prepares a sweep that continues `tip`.
     ///
     /// Between previous points i and i + 1 and the current ones, facet 2 i lies at the previous
-    /// edge and facet 2 i + 1 at the current edge.
+    /// edge and facet 2 i + 1 at the current edge. Where one of the points stands still, facet 2 i
+    /// lies at both, and the other does not exist.
     pub(crate) fn read(&mut self, sweep: &Sweep, tip: &ContinuedTip) {
         self.tip.clone_from(tip);
         let n = index_u32(sweep.previous().len());
@@ -94,13 +104,26 @@ impl Facets {
         };
         // n ribs, then a diagonal, a previous and a current edge for each quadrilateral.
         self.edges.extend((0..n).map(|i| edge(i, n + i)));
+        // A point that stands still is one corner.
+        let standing = |i: u32| self.corners[i as usize] == self.corners[(n + i) as usize];
+        let corners: Vec<u32> = (0..n)
+            .map(|i| if standing(i) { i } else { n + i })
+            .collect();
         for i in 0..n - 1 {
-            let (j, k, l) = (i + 1, n + i, n + i + 1);
+            let (j, k, l) = (i + 1, corners[i as usize], corners[i as usize + 1]);
             let first = index_u32(self.edges.len());
             self.edges.extend([edge(i, l), edge(i, j), edge(k, l)]);
             let [diagonal, previous, current] = [0, 1, 2].map(|e| first + e);
-            self.add_facet([i, j, l], [previous, j, diagonal]);
-            self.add_facet([i, l, k], [diagonal, current, i]);
+            if l == j {
+                self.add_facet([i, j, k], [previous, current, i]);
+                self.add_facet([i; 3], [diagonal; 3]);
+            } else if k == i {
+                self.add_facet([i, j, l], [previous, j, current]);
+                self.add_facet([i; 3], [diagonal; 3]);
+            } else {
+                self.add_facet([i, j, l], [previous, j, diagonal]);
+                self.add_facet([i, l, k], [diagonal, current, i]);
+            }
         }
     }
 
@@ -195,6 +218,12 @@ impl Facets {
     /// Returns a corner \[m\].
     pub(crate) fn corner(&self, i: u32) -> Vec3 {
         self.corners[i as usize]
+    }
+
+    /// Returns a current point in the present shape \[m\], if the sweep is in the rest shape.
+    pub(crate) fn present(&self, corner: u32) -> Option<Vec3> {
+        let current = (corner as usize).checked_sub(self.corners.len() / 2)?;
+        self.tip.present.get(current).copied()
     }
 
     /// Returns the number of corners.

@@ -16,4 +16,5 @@ mod sheet;
 mod stretched;
 mod strokes;
 mod sweep;
+mod tension;
 mod threads;

@@ -3,7 +3,7 @@
 use super::piece_move::{PieceMove, TriangleSet};
 use crate::history::History;
 use crate::ids::{HalfEdge, TriangleId, VertexId, index_u32};
-use crate::surface::{Channel, Domain, Row, Surface};
+use crate::surface::{Channel, Domain, Row, Surface, exchange};
 use std::ops::Range;
 
 /// The old values of one array, in the order of overwriting.
@@ -196,6 +196,17 @@ pub(super) struct Log {
 }
 
 impl Log {
+    /// Exchanges logged positions and rest positions, which are always overwritten together.
+    pub(super) fn exchange_shapes(&mut self) {
+        for (position, rest) in self.positions.old.iter_mut().zip(&mut self.rest.old) {
+            debug_assert_eq!(
+                position.0, rest.0,
+                "positions and rest positions in one order"
+            );
+            exchange(&mut position.1, &mut rest.1);
+        }
+    }
+
     /// Returns an empty log. O(1).
     pub(super) fn new(surface: &Surface) -> Self {
         let topology = &surface.topology;

@@ -17,6 +17,18 @@ pub(super) struct Restored {
     pub(super) parents_at: [[f32; 3]; 3],
 }
 
+impl Restored {
+    /// Stores the positions of the vertex and its parents.
+    pub(super) fn place_from(&mut self, surface: &Surface) {
+        let place = |v: VertexId| {
+            let [x, y, z, _] = surface.positions[v.index()];
+            [x, y, z]
+        };
+        self.at = surface.positions[self.vertex.index()];
+        self.parents_at = self.origin.weights().map(|(v, _)| place(v));
+    }
+}
+
 /// Returns the vertices that `delta` removed, parents before children.
 pub(super) fn restored(
     surface: &Surface,
@@ -80,15 +92,15 @@ pub(super) fn restored(
         order.push((next, alone(removed[next])));
         queue.push_back(next);
     }
-    let place = |v: VertexId| {
-        let [x, y, z, _] = surface.positions[v.index()];
-        [x, y, z]
-    };
-    let entry = |(i, origin): (usize, VertexOrigin)| Restored {
-        vertex: removed[i],
-        origin,
-        at: surface.positions[removed[i].index()],
-        parents_at: origin.weights().map(|(v, _)| place(v)),
+    let entry = |(i, origin): (usize, VertexOrigin)| {
+        let mut entry = Restored {
+            vertex: removed[i],
+            origin,
+            at: [0.0; 4],
+            parents_at: [[0.0; 3]; 3],
+        };
+        entry.place_from(surface);
+        entry
     };
     order.into_iter().map(entry).collect()
 }

@@ -55,6 +55,16 @@ impl Undo {
         }
     }
 
+    /// Exchanges positions and rest positions of the record. O(k).
+    ///
+    /// Call it after an edit within [`Surface::with_shapes_exchanged`] and before any other.
+    pub fn exchange_shapes(&mut self, surface: &Surface) {
+        self.log.exchange_shapes();
+        for restored in &mut self.restored {
+            restored.place_from(surface);
+        }
+    }
+
     /// Undoes the edit and returns the change, which solvers and BVHs follow like any other.
     ///
     /// O(k log k) for k changes.

@@ -36,9 +36,10 @@ impl Chains {
             .take_while(|tip| tip.corner == corner);
         let own = own.filter(|tip| tip.solid == solid).map(|tip| {
             let is_inside = match kind {
-                EdgeKind::Rib => tip.rib,
+                EdgeKind::Previous => tip.beyond,
                 EdgeKind::Diagonal => tip.diagonal,
-                _ => tip.beyond,
+                // The present edge begins at a corner of the tip if that stands still.
+                EdgeKind::Rib | EdgeKind::Current => tip.rib,
             };
             (tip.node, is_inside)
         });

@@ -40,13 +40,14 @@ impl Facets {
         ends.fold(0.0, |largest, p| p.amax().max(largest))
     }
 
-    /// Returns the length of the shorter rib beside a facet \[m\].
+    /// Returns the length of the shorter rib beside a facet \[m\], or of the only one.
     pub(crate) fn motion(&self, facet: u32) -> f64 {
-        let length = |rib| {
+        let lengths = [facet / 2, facet / 2 + 1].map(|rib| {
             let [from, to] = self.ends(rib);
             (to - from).norm()
-        };
-        length(facet / 2).min(length(facet / 2 + 1))
+        });
+        let moved = lengths.into_iter().filter(|&length| length > 0.0);
+        moved.min_by(f64::total_cmp).unwrap_or_default()
     }
 
     /// Returns the facet nearest to a point and the crease of that facet nearest to it.
@@ -70,18 +71,6 @@ impl Facets {
             Some(0) => EdgeKind::Diagonal,
             Some(1) => EdgeKind::Previous,
             Some(_) => EdgeKind::Current,
-        }
-    }
-
-    /// Returns whether an edge is on the blade's present edge.
-    ///
-    /// Where a point of the blade stands still, the second facet beside it has no area, and the
-    /// diagonal is there.
-    pub(crate) fn is_front(&self, edge: u32) -> bool {
-        match self.kind(edge) {
-            EdgeKind::Current => true,
-            EdgeKind::Diagonal => self.edges[edge as usize].facets[0] == NO_FACET,
-            EdgeKind::Rib | EdgeKind::Previous => false,
         }
     }
 

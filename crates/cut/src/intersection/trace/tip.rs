@@ -32,6 +32,7 @@ impl Tip {
         let ContinuedTip {
             vertices,
             half_edges,
+            ..
         } = facets.tip();
         let is_joined = |i: usize| half_edges.get(i).is_some_and(|h| !h.is_null());
         let passes = move |i: usize| {

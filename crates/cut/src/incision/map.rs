@@ -1,0 +1,209 @@
+//! [`BladeMap`]: a blade in a deformed body, in the coordinates of the body's rest shape.
+
+use super::TipPoint;
+use super::piercings::Piercing;
+use crate::affine::AffineMap;
+use incise_mesh::{Surface, Vec3, VertexId};
+use nalgebra::Matrix3;
+
+/// Rounding error of stored coordinates [of the largest coordinate].
+const ROUNDING: f32 = 8.0 * f32::EPSILON;
+
+/// Maximum distance at rest of an end of a tip from where the blade pierces the surface now
+/// [that of the fitted deformation].
+///
+/// Between both, the deformation varies by less than its size.
+const MAX_RATIO: f64 = 2.0;
+
+/// The map of a blade from the present shape of a body to its rest shape, near a tip.
+///
+/// Walls of an incision coincide at rest, and the body overlaps itself nowhere. So a cut that goes
+/// on in the rest shape meets neither open walls nor folds. On the surface the map is exact: it
+/// takes the points at which the blade pierces the surface to their places at rest. Between two,
+/// a straight blade stays straight. So it does not depend on the motion of walls.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct BladeMap {
+    /// Along the blade; empty for a body at rest.
+    anchors: Vec<Anchor>,
+}
+
+/// A point beside the blade with its place at rest.
+#[derive(Debug, Clone, Copy)]
+struct Anchor {
+    vertex: VertexId,
+    parameter: f64,
+    point: Vec3,
+    rest: Vec3,
+    inverse_gradient: Matrix3<f64>,
+}
+
+impl BladeMap {
+    /// Returns the map near a tip of a blade with some piercings. O(n), because it is the identity
+    /// for a body at rest.
+    ///
+    /// `last` is the parameter of the blade's last point, and `local` the length of edges near the
+    /// tip \[m\].
+    pub(super) fn new(
+        surface: &Surface,
+        tip: &[TipPoint],
+        piercings: &[Piercing],
+        last: f64,
+        local: f64,
+    ) -> Self {
+        if is_at_rest(surface) {
+            return Self::default();
+        }
+        let mut anchors = Vec::new();
+        let goes_on = |point: &TipPoint| point.is_joined || point.meets_next;
+        let mut first = 0;
+        for part in tip.chunk_by(|point, _| goes_on(point)) {
+            let begins = first;
+            first += part.len();
+            let ends = [(begins, Some(true)), (first - 1, Some(false))];
+            let ends = if part.len() > 1 {
+                &ends[..]
+            } else {
+                &[(begins, None)]
+            };
+            let is_corner = |&&(i, _): &&(usize, Option<bool>)| {
+                tip[i].parameter <= 0.0 || tip[i].parameter >= last
+            };
+            let on_surface = ends.iter().filter(|end| !is_corner(end));
+            let on_surface: Vec<_> = on_surface.collect();
+            let used = if on_surface.is_empty() {
+                ends.iter().collect()
+            } else {
+                on_surface
+            };
+            let used = used
+                .into_iter()
+                .map(|&(i, enters)| (Anchor::at_vertex(surface, &tip[i]), enters));
+            anchors.extend(with_gradient(surface, used, piercings, local));
+        }
+        anchors.sort_by(|a: &Anchor, b| a.parameter.total_cmp(&b.parameter));
+        Self { anchors }
+    }
+
+    /// Returns whether the body is at rest, or no tip is known.
+    pub(crate) fn is_identity(&self) -> bool {
+        self.anchors.is_empty()
+    }
+
+    /// Returns the position of a vertex in the shape in which the cut is made \[m\].
+    pub(super) fn vertex(&self, surface: &Surface, v: VertexId) -> Vec3 {
+        if self.is_identity() {
+            surface.position(v)
+        } else {
+            surface.rest_position(v)
+        }
+    }
+
+    /// Maps a point of the blade, or near it, at a parameter of the blade \[m\].
+    pub(super) fn at(&self, parameter: f64, point: Vec3) -> Vec3 {
+        let next = (self.anchors).partition_point(|anchor| anchor.parameter <= parameter);
+        let before = next.checked_sub(1).map(|i| self.anchors[i]);
+        let anchor = match (before, self.anchors.get(next)) {
+            (None, None) => return point,
+            (Some(anchor), None) => anchor,
+            (None, Some(&anchor)) => anchor,
+            (Some(a), Some(b)) => a.toward(b, parameter),
+        };
+        anchor.rest + anchor.inverse_gradient * (point - anchor.point)
+    }
+}
+
+/// Returns the anchors of a part of the tip, given those at its ends.
+///
+/// An anchor is moved to where the blade pierces the surface near the end, if it does. `enters` is
+/// whether the blade goes into the body there, if that is known.
+fn with_gradient(
+    surface: &Surface,
+    ends: impl Iterator<Item = (Anchor, Option<bool>)>,
+    piercings: &[Piercing],
+    local: f64,
+) -> Vec<Anchor> {
+    let (mut anchors, enters): (Vec<Anchor>, Vec<Option<bool>>) = ends.unzip();
+    let mut around: Vec<VertexId> = Vec::new();
+    for anchor in &anchors {
+        around.push(anchor.vertex);
+    }
+    let fitted = inverse_gradient(surface, &around);
+    for (anchor, enters) in anchors.iter_mut().zip(enters) {
+        if let Some(piercing) = anchor.nearest(piercings, enters, fitted, local) {
+            around.extend(surface.topology().triangle(piercing.triangle));
+            anchor.parameter = piercing.parameter;
+            anchor.point = piercing.point;
+            anchor.rest = piercing.rest;
+        }
+    }
+    let fitted = inverse_gradient(surface, &around);
+    for anchor in &mut anchors {
+        anchor.inverse_gradient = fitted;
+    }
+    anchors
+}
+
+impl Anchor {
+    /// Returns the anchor at a vertex of the tip.
+    fn at_vertex(surface: &Surface, point: &TipPoint) -> Self {
+        Self {
+            vertex: point.vertex,
+            parameter: point.parameter,
+            point: surface.position(point.vertex),
+            rest: surface.rest_position(point.vertex),
+            inverse_gradient: Matrix3::identity(),
+        }
+    }
+
+    /// Returns where the blade pierces the surface near an end of the tip, if it does.
+    fn nearest<'a>(
+        &self,
+        piercings: &'a [Piercing],
+        enters: Option<bool>,
+        fitted: Matrix3<f64>,
+        local: f64,
+    ) -> Option<&'a Piercing> {
+        let distance = |p: &&Piercing| (p.rest - self.rest).norm();
+        let is_near = |p: &&Piercing| {
+            distance(p) <= MAX_RATIO * (fitted * (p.point - self.point)).norm() + local
+        };
+        let own = piercings
+            .iter()
+            .filter(|p| enters.is_none_or(|enters| p.enters == enters));
+        (own.filter(is_near)).min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    }
+
+    /// Returns the anchor at a parameter on the way to the next one.
+    fn toward(&self, next: &Self, parameter: f64) -> Self {
+        let part = (parameter - self.parameter) / (next.parameter - self.parameter);
+        let (a, b) = (self.inverse_gradient, next.inverse_gradient);
+        Self {
+            vertex: self.vertex,
+            parameter,
+            point: self.point.lerp(&next.point, part),
+            rest: self.rest.lerp(&next.rest, part),
+            inverse_gradient: a + (b - a) * part,
+        }
+    }
+}
+
+/// Returns the inverse deformation gradient around vertices.
+fn inverse_gradient(surface: &Surface, vertices: &[VertexId]) -> Matrix3<f64> {
+    let topology = surface.topology();
+    let mut pairs = Vec::new();
+    for &v in vertices {
+        let around = topology.outgoing_fan(v).map(|h| topology.target(h));
+        let own = [v].into_iter().chain(around);
+        pairs.extend(own.map(|v| (surface.rest_position(v), surface.position(v))));
+    }
+    AffineMap::fit(&pairs).inverse_gradient()
+}
+
+/// Returns whether all positions are rest positions, up to rounding.
+fn is_at_rest(surface: &Surface) -> bool {
+    let rest = surface.rest_positions();
+    let largest = rest.iter().flatten().fold(0.0, |m, x| x.abs().max(m));
+    let tolerance = ROUNDING * largest;
+    let mut all = surface.positions().iter().zip(rest);
+    all.all(|(p, r)| (0..3).all(|k| (p[k] - r[k]).abs() <= tolerance))
+}
