@@ -12,7 +12,7 @@ use crate::sweep::Sweep;
 use columns::{Column, Poses, is_at_boundary, point_at, spread};
 use incise_mesh::geometry::{to_f32, to_f64};
 use incise_mesh::{Aabb, HalfEdge, Surface, TriangleId, Vec3, VertexId};
-use lead::{has_moved, is_ahead, standing};
+use lead::{MIN_MOTION, has_moved, is_ahead, standing};
 use map::BladeMap;
 use path::{Path, do_vanish};
 use piercings::piercings;
@@ -52,6 +52,29 @@ pub struct Incision {
     /// Edge length of the surface around the tip \[m\].
     local: f64,
     sweep: Option<Sweep>,
+    state: IncisionState,
+    /// Number of refused steps since the last step that cut.
+    refused_steps: u32,
+    /// The places to which the last of them would have moved the tip's vertices \[m\].
+    refused: Vec<Vec3>,
+}
+
+/// Where a blade is after its last step, see [`Incision::state`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum IncisionState {
+    /// Outside of the body, and it has cut nothing since it was inside.
+    #[default]
+    Outside,
+    /// In the body, at the tip of its cut or behind it.
+    Inside,
+    /// Ahead of the tip, because the last step was refused. It is tried again from the same tip.
+    Blocked,
+    /// Outside, and its cut is complete.
+    Finished,
+    /// Outside, and the tip of its cut is in the body.
+    Abandoned,
 }
 
 /// A vertex of the tip.
@@ -79,6 +102,8 @@ pub(crate) struct Approach {
     ahead: Vec<Vec3>,
     /// Whether the blade is outside of the body, so that its front must be.
     leaves: bool,
+    /// The next places of the tip's vertices \[m\].
+    targets: Vec<Vec3>,
 }
 
 /// Displacements of the front ahead of a blade that has left the body, tried in turn until the
@@ -101,6 +126,18 @@ impl Incision {
     #[must_use]
     pub fn is_inside(&self) -> bool {
         !self.tip.is_empty()
+    }
+
+    /// Returns where the blade is after its last step.
+    #[must_use]
+    pub fn state(&self) -> IncisionState {
+        self.state
+    }
+
+    /// Returns the number of refused steps since the last one that cut.
+    #[must_use]
+    pub fn refused_steps(&self) -> u32 {
+        self.refused_steps
     }
 
     /// Iterates over the vertices of the tip, along the blade.
@@ -133,16 +170,22 @@ impl Incision {
 
     /// Ends the incision where it is; the next motion of the blade starts at `pose` \[m\].
     pub fn restart(&mut self, pose: &[[f32; 3]]) {
-        self.pose.clear();
-        self.pose.extend_from_slice(pose);
+        self.take_pose(pose);
         self.leave();
     }
 
     /// Ends the incision where it is; the next motion of the blade starts at its last pose.
     fn leave(&mut self) {
+        self.state = if self.tip.is_empty() {
+            IncisionState::Outside
+        } else {
+            IncisionState::Abandoned
+        };
         self.tip.clear();
         self.path.clear();
         self.back = None;
+        self.refused.clear();
+        self.refused_steps = 0;
     }
 
     /// Sets the pose and the tip after a step through edges of length `local` \[m\].
@@ -166,12 +209,15 @@ impl Incision {
         }
         // Edges beside the tip are short, because the last step split them.
         self.local = local.max(self.local * MIN_LOCAL_RATIO);
-        self.pose.clear();
-        self.pose.extend_from_slice(pose);
+        self.take_pose(pose);
         self.back = None;
+        self.refused.clear();
+        self.refused_steps = 0;
         if tip.is_empty() {
+            self.state = IncisionState::Finished;
             self.path.clear();
         } else {
+            self.state = IncisionState::Inside;
             self.path.push(&tip);
         }
         self.tip = tip;
@@ -248,31 +294,71 @@ impl Incision {
         let map = BladeMap::new(surface, &self.tip, &piercings, last, self.local);
         let leads = self.leads(surface, &map, blade);
         let is_ahead = is_ahead(&leads);
-        let leaves = is_ahead && piercings.is_empty() && !is_inside(blade[0]);
-        if !has_moved(&leads) && !leaves {
+        let is_outside = piercings.is_empty() && !is_inside(blade[0]);
+        if !has_moved(&leads) && !is_outside {
             return Ok(None);
         }
+        if !is_ahead && self.goes_back(surface, blade) {
+            self.take_pose(blade);
+            self.state = IncisionState::Inside;
+            return Ok(None);
+        }
+        let was_out = self.state == IncisionState::Abandoned;
+        if is_outside && (was_out || !is_ahead) {
+            self.take_pose(blade);
+            self.state = IncisionState::Abandoned;
+            return Ok(None);
+        }
+        let width = PATH_WIDTH * self.local;
+        let is_off = self.back.is_some() && !is_ahead && !self.passes_tip(surface, blade, width);
+        if was_out || is_off {
+            self.leave();
+            return Ok(Some(Approach::default()));
+        }
+        let targets: Vec<Vec3> = leads.iter().map(|lead| lead.target).collect();
+        if self.is_refused_at(&targets) {
+            return Ok(None);
+        }
+        Ok(Some(Approach {
+            map,
+            stands: standing(&leads, is_outside),
+            ahead: leads.iter().map(|lead| lead.ahead).collect(),
+            leaves: is_outside,
+            targets,
+        }))
+    }
+
+    /// Stores the blade's pose.
+    fn take_pose(&mut self, blade: &[[f32; 3]]) {
+        self.pose.clear();
+        self.pose.extend_from_slice(blade);
+    }
+
+    /// Returns whether a blade is on its way through the body, behind the tip, and stores where.
+    fn goes_back(&mut self, surface: &Surface, blade: &[[f32; 3]]) -> bool {
         let width = PATH_WIDTH * self.local;
         let moved = self.pose.iter().zip(blade);
         let moved = moved.map(|(&p, &q)| (to_f64(q) - to_f64(p)).norm());
         let motion = moved.fold(0.0, f64::max);
         let back = self.back.unwrap_or(0.0);
-        if !is_ahead && let Some(back) = self.path.find(surface, blade, back, motion, width) {
-            self.pose.clear();
-            self.pose.extend_from_slice(blade);
-            self.back = Some(back);
-            return Ok(None);
-        }
-        if self.back.is_some() && !is_ahead && !self.passes_tip(surface, blade, width) {
-            self.leave();
-            return Ok(Some(Approach::default()));
-        }
-        Ok(Some(Approach {
-            map,
-            stands: standing(&leads, leaves),
-            ahead: leads.iter().map(|lead| lead.ahead).collect(),
-            leaves,
-        }))
+        let found = self.path.find(surface, blade, back, motion, width);
+        self.back = found.or(self.back);
+        found.is_some()
+    }
+
+    /// Returns whether the last step to these positions of the tip was refused \[m\].
+    fn is_refused_at(&self, targets: &[Vec3]) -> bool {
+        let is_near = |(a, b): (&Vec3, &Vec3)| (a - b).norm() < MIN_MOTION * self.local;
+        self.refused.len() == targets.len()
+            && !targets.is_empty()
+            && self.refused.iter().zip(targets).all(is_near)
+    }
+
+    /// Stores that a step was refused.
+    pub(crate) fn refuse(&mut self, approach: Approach) {
+        self.refused = approach.targets;
+        self.refused_steps += 1;
+        self.state = IncisionState::Blocked;
     }
 
     /// Returns the sweep from the tip, or from the last pose, to a new pose.

@@ -20,7 +20,7 @@ pub use cap_marker::CapMarker;
 pub use curves::{Curve, CurvePoint, Curves, EdgeCrossing};
 pub use cutter::Cutter;
 pub use error::CutError;
-pub use incision::Incision;
+pub use incision::{Incision, IncisionState};
 pub use outcome::{CutOutcome, CutReport};
 pub use params::{Caps, CutParams};
 pub use stroke::{Stroke, StrokeError};

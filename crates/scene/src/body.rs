@@ -13,7 +13,7 @@ use crate::interior_springs::InteriorSpringSearch;
 use crate::params::SceneParams;
 use crate::piece_shapes::PieceShapes;
 pub use id::BodyId;
-use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Incision, Sweep};
+use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Incision, IncisionState, Sweep};
 use incise_mesh::{Aabb, Bvh, RayHit, Surface, Undo, Vec3, VertexId};
 use incise_pbd_gpu::{ConstraintError, Material, PatchParams, Solver};
 pub(crate) use pieces::{piece_of, vertices_of};
@@ -217,9 +217,12 @@ impl Body {
         own.find_map(|(number, incision)| (*number == blade).then_some(incision))
     }
 
-    /// Returns whether a blade is inside the body.
+    /// Returns whether a blade is inside the body, or was refused where it enters.
     pub(crate) fn has_incision(&self, blade: usize) -> bool {
-        self.incision(blade).is_some_and(Incision::is_inside)
+        let goes_on = |incision: &Incision| {
+            incision.is_inside() || incision.state() == IncisionState::Blocked
+        };
+        self.incision(blade).is_some_and(goes_on)
     }
 
     /// Ends the incision of a blade, if it has one.
@@ -256,14 +259,11 @@ impl Body {
                     self.incisions.len() - 1
                 });
                 let incision = &mut self.incisions[own].1;
-                if !incision.is_inside() {
+                if !incision.is_inside() && incision.state() != IncisionState::Blocked {
                     incision.restart(&blade.previous_edge());
                 }
                 let edge = blade.edge();
                 let cut = (self.cutter).advance(&mut self.surface, incision, &edge, params);
-                if cut.is_err() {
-                    incision.restart(&edge);
-                }
                 stepped = incision.sweep().cloned();
                 cut
             }

@@ -146,9 +146,6 @@ impl<'a> Stroke<'a> {
                 trial.steps += usize::from(i > 0 && *pose != path[i - 1]);
                 let outcome = cutter.advance(&mut self.surface, &mut incision, pose, &params);
                 trial.record(&outcome);
-                if outcome.is_err() {
-                    go_on_after_refusal(&mut incision, pose);
-                }
                 if self.is_gaping {
                     let tip = f64::from(pose[0][2]);
                     self.open_gap(tip, f64::from(pose[0][0]));
@@ -185,9 +182,4 @@ impl<'a> Stroke<'a> {
             surface.positions_mut()[v.index()] = [x, y, z, mass];
         }
     }
-}
-
-/// Goes on after a refused step, as a body of a scene does: ends the incision at the pose.
-fn go_on_after_refusal(incision: &mut Incision, pose: &[[f32; 3]]) {
-    incision.restart(pose);
 }

@@ -67,8 +67,9 @@ impl Cutter {
     /// starts a new incision.
     ///
     /// # Errors
-    /// [`CutError`]; the surface is then bit for bit what it was, and the blade keeps its last
-    /// pose. Call [`Incision::restart`] to go on from another pose.
+    /// [`CutError`]; the surface is then bit for bit what it was. The incision keeps its tip and its
+    /// last pose, from which the next step is tried, see [`IncisionState::Blocked`]. Call
+    /// [`Incision::restart`] to go on from another pose.
     pub fn advance(
         &mut self,
         surface: &mut Surface,
@@ -82,13 +83,28 @@ impl Cutter {
         let Some(approach) = incision.begin_step(surface, blade, near, is_inside)? else {
             return Ok(CutOutcome::default());
         };
+        let result = self.step_in_shape(surface, incision, &approach, blade, params);
+        if result.is_err() {
+            incision.refuse(approach);
+        }
+        result
+    }
+
+    /// Cuts from the tip of `incision` to a new pose, in the rest shape if the body is deformed.
+    fn step_in_shape(
+        &mut self,
+        surface: &mut Surface,
+        incision: &mut Incision,
+        approach: &Approach,
+        blade: &[[f32; 3]],
+        params: &CutParams,
+    ) -> Result<CutOutcome, CutError> {
         if approach.map.is_identity() {
-            return self.step(surface, incision, &approach, blade, params);
+            return self.step(surface, incision, approach, blade, params);
         }
         let defers_bvh = std::mem::replace(&mut self.defers_bvh, true);
-        let result = surface.with_shapes_exchanged(|surface| {
-            self.step(surface, incision, &approach, blade, params)
-        });
+        let result = surface
+            .with_shapes_exchanged(|surface| self.step(surface, incision, approach, blade, params));
         self.defers_bvh = defers_bvh;
         let mut outcome = result?;
         if let Some(undo) = &mut outcome.undo {

@@ -92,6 +92,7 @@ impl Chains {
         self.lengths.clear();
         self.find_piercings(edit, at, sides);
         self.find_tips(edit, at, sides)?;
+        self.find_solids(edit.surface());
         let solids = self.piercings.iter().map(|p| p.solid);
         let mut solids: Vec<u32> = solids
             .chain(self.tips.iter().map(|tip| tip.solid))

@@ -9,7 +9,7 @@ use incise_mesh::{Surface, Vec3};
 ///
 /// The default of [`crate::CutParams::snap`]: walls get no edges that are shorter than those of
 /// the rim.
-const MIN_MOTION: f64 = 0.1;
+pub(super) const MIN_MOTION: f64 = 0.1;
 
 /// Cosine of the largest angle between a motion that cuts and the way ahead from the tip.
 ///
@@ -19,6 +19,8 @@ const MIN_COSINE: f64 = -0.5;
 /// The motion of the blade away from a vertex of the tip.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lead {
+    /// Its next place \[m\].
+    pub(super) target: Vec3,
     /// Distance, and the part of it ahead and across the blade [local edge lengths].
     distance: f64,
     progress: f64,
@@ -62,6 +64,7 @@ impl Incision {
             let ahead = ahead(surface, map, &self.tip, i);
             let progress = ahead.map_or(motion.norm(), |ahead| motion.dot(&ahead));
             Lead {
+                target: to,
                 distance: motion.norm() / self.local,
                 progress: progress / self.local,
                 is_behind: progress < MIN_COSINE * motion.norm(),

@@ -5,7 +5,7 @@ use crate::error::CutError;
 use crate::exact::open::Sides;
 use crate::exact::rim::NO_NODE;
 use crate::intersection::node::{Node, On};
-use incise_mesh::{Edit, Vec3, index_u32};
+use incise_mesh::{Edit, Surface, Vec3, index_u32};
 
 /// A point where a curve meets a sweep edge.
 #[derive(Debug, Clone, Copy)]
@@ -33,7 +33,7 @@ pub(super) struct TipCorner {
 }
 
 impl Chains {
-    /// Collects the piercings, sorted by solid, by edge and along the edge.
+    /// Collects the piercings, sorted by edge and along the edge.
     pub(super) fn find_piercings(&mut self, edit: &Edit<'_>, at: &Opening<'_>, sides: &Sides) {
         self.piercings.clear();
         let surface = edit.surface();
@@ -70,8 +70,15 @@ impl Chains {
                 .then_with(|| facets.compare_on_sweep_edge(a.edge, a.corners, b.corners))
                 .then(a.enters.cmp(&b.enters))
         });
-        let first = self.piercings.first().map(|p| p.solid);
-        let has_pieces = self.piercings.iter().any(|p| Some(p.solid) != first);
+    }
+
+    /// Assigns piercings and tips on cavities to the solids around these, and sorts piercings by
+    /// solid.
+    pub(super) fn find_solids(&mut self, surface: &Surface) {
+        let tips = self.tips.iter().map(|tip| tip.solid);
+        let mut solids = self.piercings.iter().map(|p| p.solid).chain(tips);
+        let first = solids.next();
+        let has_pieces = solids.any(|solid| Some(solid) != first);
         if has_pieces && self.has_cavities != Some(false) {
             let volumes = surface.piece_volumes();
             self.has_cavities = Some(volumes.iter().any(|&volume| volume < 0.0));
@@ -85,9 +92,9 @@ impl Chains {
     /// A cavity is in the solid that an edge has entered last where it first meets the cavity.
     fn assign_cavities(&mut self, volumes: &[f64]) {
         let is_cavity = |piece: u32| volumes[piece as usize] < 0.0;
-        let default = (self.piercings.iter())
-            .map(|p| p.solid)
-            .find(|&piece| !is_cavity(piece));
+        let tips = self.tips.iter().map(|tip| tip.solid);
+        let mut pieces = self.piercings.iter().map(|p| p.solid).chain(tips);
+        let default = pieces.find(|&piece| !is_cavity(piece));
         let mut around: Vec<(u32, u32)> = Vec::new();
         for own in self.piercings.chunk_by(|a, b| a.edge == b.edge) {
             let mut entered = Vec::new();
@@ -105,12 +112,11 @@ impl Chains {
                 }
             }
         }
-        for p in self.piercings.iter_mut().filter(|p| is_cavity(p.solid)) {
-            let known = around.iter().find(|&&(cavity, _)| cavity == p.solid);
-            p.solid = known
-                .map(|&(_, solid)| solid)
-                .or(default)
-                .unwrap_or(p.solid);
+        let piercings = self.piercings.iter_mut().map(|p| &mut p.solid);
+        let tips = self.tips.iter_mut().map(|tip| &mut tip.solid);
+        for solid in piercings.chain(tips).filter(|solid| is_cavity(**solid)) {
+            let known = around.iter().find(|&&(cavity, _)| cavity == *solid);
+            *solid = known.map(|&(_, solid)| solid).or(default).unwrap_or(*solid);
         }
     }
 
