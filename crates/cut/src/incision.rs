@@ -2,6 +2,7 @@
 
 mod columns;
 mod lead;
+mod line;
 mod map;
 mod path;
 mod piercings;
@@ -9,10 +10,11 @@ mod piercings;
 use crate::error::CutError;
 use crate::intersection::facets::ContinuedTip;
 use crate::sweep::Sweep;
-use columns::{Column, Poses, is_at_boundary, point_at, spread};
+use columns::{Column, Poses, is_at_boundary, spread};
 use incise_mesh::geometry::{to_f32, to_f64};
 use incise_mesh::{Aabb, HalfEdge, Surface, TriangleId, Vec3, VertexId};
 use lead::{MIN_MOTION, has_moved, is_ahead, standing};
+use line::{offset, point_at};
 use map::BladeMap;
 use path::{Path, do_vanish};
 use piercings::piercings;
@@ -97,6 +99,8 @@ pub(crate) struct TipPoint {
 #[derive(Debug, Default)]
 pub(crate) struct Approach {
     pub(crate) map: BladeMap,
+    /// The tip, with the parameters of the nearest points of the new pose.
+    tip: Vec<TipPoint>,
     /// By vertex of the tip, whether it keeps its place, and the unit vector ahead.
     stands: Vec<bool>,
     ahead: Vec<Vec3>,
@@ -201,7 +205,7 @@ impl Incision {
         approach: &Approach,
         copies: impl Fn(VertexId) -> Option<[VertexId; 2]>,
     ) {
-        let tip = with_standing(moved, &self.tip, &approach.stands);
+        let tip = with_standing(moved, &approach.tip, &approach.stands);
         self.path.open_tip(copies);
         if self.tip.is_empty() {
             self.path.start(&self.pose);
@@ -292,7 +296,7 @@ impl Incision {
         #[expect(clippy::cast_precision_loss, reason = "few points")]
         let last = (blade.len() - 1) as f64;
         let map = BladeMap::new(surface, &self.tip, &piercings, last, self.local);
-        let leads = self.leads(surface, &map, blade);
+        let (tip, leads) = self.leads(surface, &map, blade);
         let is_ahead = is_ahead(&leads);
         let is_outside = piercings.is_empty() && !is_inside(blade[0]);
         if !has_moved(&leads) && !is_outside {
@@ -321,6 +325,7 @@ impl Incision {
         }
         Ok(Some(Approach {
             map,
+            tip,
             stands: standing(&leads, is_outside),
             ahead: leads.iter().map(|lead| lead.ahead).collect(),
             leaves: is_outside,
@@ -445,6 +450,7 @@ impl Incision {
                 .collect();
             let poses = Poses {
                 map: &approach.map,
+                tip: &approach.tip,
                 stands: &approach.stands,
                 offsets: &offsets,
                 last: &self.pose,
@@ -468,9 +474,7 @@ impl Incision {
     /// Returns whether the blade is at the tip on its way to a new pose, up to `width` \[m\].
     fn passes_tip(&self, surface: &Surface, blade: &[[f32; 3]], width: f64) -> bool {
         let ends = [self.tip[0], self.tip[self.tip.len() - 1]];
-        let off = |pose: &[[f32; 3]]| {
-            ends.map(|end| point_at(pose, end.parameter) - surface.position(end.vertex))
-        };
+        let off = |pose: &[[f32; 3]]| ends.map(|end| offset(pose, surface.position(end.vertex)));
         do_vanish(off(&self.pose), off(blade), 0.0, [[width; 2]; 2])
     }
 }

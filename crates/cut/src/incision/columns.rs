@@ -1,8 +1,9 @@
 //! The points of the next sweep: where it begins at the tip, and where it ends on the blade.
 
-use super::Incision;
+use super::line::point_at;
 use super::map::BladeMap;
 use super::piercings::pierced_at;
+use super::{Incision, TipPoint};
 use incise_mesh::geometry::{area_vector, to_f64};
 use incise_mesh::{Surface, TriangleId, Vec3, VertexId};
 
@@ -88,6 +89,8 @@ impl Column {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Poses<'a> {
     pub(super) map: &'a BladeMap,
+    /// The tip, with parameters of the new pose.
+    pub(super) tip: &'a [TipPoint],
     /// By vertex of the tip, whether it keeps its place, and the displacement of its next position
     /// from the blade \[m\].
     pub(super) stands: &'a [bool],
@@ -161,7 +164,7 @@ impl Incision {
         for (i, point) in self.pose.iter().enumerate() {
             #[expect(clippy::cast_precision_loss, reason = "few points")]
             let parameter = i as f64;
-            let is_covered = self.tip.windows(2).any(|pair| {
+            let is_covered = poses.tip.windows(2).any(|pair| {
                 pair[0].is_joined
                     && pair[0].parameter <= parameter
                     && parameter <= pair[1].parameter
@@ -181,10 +184,10 @@ impl Incision {
     /// Returns columns at the vertices of the tip; one for two across coincident walls.
     fn points_of_tip(&self, surface: &Surface, poses: &Poses<'_>) -> Vec<Column> {
         let mut columns: Vec<Column> = Vec::new();
-        for (i, point) in self.tip.iter().enumerate() {
+        for (i, point) in poses.tip.iter().enumerate() {
             let previous = surface.position(point.vertex);
             if let (Some(last), Some(before)) = (columns.last_mut(), i.checked_sub(1))
-                && self.tip[before].meets_next
+                && poses.tip[before].meets_next
                 && (previous - last.previous).norm() <= MAX_GAP * self.local
             {
                 last.begins = point.vertex;
@@ -260,20 +263,6 @@ fn outward(surface: &Surface, column: Column, along: Vec3, to: Vec3) -> Vec3 {
 pub(super) fn is_at_boundary(surface: &Surface, vertex: VertexId) -> bool {
     let first = surface.topology().outgoing_fan(vertex).next();
     first.is_some_and(|h| surface.topology().twin(h).is_null())
-}
-
-/// Returns the point of a polyline at a parameter \[m\].
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "parameters are between 0 and the number of points"
-)]
-pub(super) fn point_at(line: &[[f32; 3]], parameter: f64) -> Vec3 {
-    let i = (parameter.floor().max(0.0) as usize).min(line.len() - 2);
-    #[expect(clippy::cast_precision_loss, reason = "few points")]
-    let part = parameter - i as f64;
-    let [a, b] = [line[i], line[i + 1]].map(to_f64);
-    a + (b - a) * part
 }
 
 /// Moves the points of the next sweep along the blade, away from where that pierces the surface.

@@ -1,6 +1,6 @@
 //! How far the blade is ahead of each vertex of the tip.
 
-use super::columns::point_at;
+use super::line::{nearest, point_at};
 use super::map::BladeMap;
 use super::{Incision, MIN_STEP, TipPoint};
 use incise_mesh::{Surface, Vec3};
@@ -10,6 +10,9 @@ use incise_mesh::{Surface, Vec3};
 /// The default of [`crate::CutParams::snap`]: walls get no edges that are shorter than those of
 /// the rim.
 pub(super) const MIN_MOTION: f64 = 0.1;
+
+/// Minimum distance of neighbors along a tip [the blade's parameters].
+const MIN_SPACING: f64 = 1e-6;
 
 /// Cosine of the largest angle between a motion that cuts and the way ahead from the tip.
 ///
@@ -21,7 +24,7 @@ const MIN_COSINE: f64 = -0.5;
 pub(super) struct Lead {
     /// Its next place \[m\].
     pub(super) target: Vec3,
-    /// Distance, and the part of it ahead and across the blade [local edge lengths].
+    /// Distance, and the part of it ahead [local edge lengths]; 0 beyond an end of the blade.
     distance: f64,
     progress: f64,
     /// Whether the blade is behind the vertex.
@@ -55,23 +58,83 @@ pub(super) fn standing(leads: &[Lead], leaves: bool) -> Vec<bool> {
 }
 
 impl Incision {
-    /// Returns the motion from each vertex of the tip to a new pose.
-    pub(super) fn leads(&self, surface: &Surface, map: &BladeMap, blade: &[[f32; 3]]) -> Vec<Lead> {
+    /// Returns the motion from each vertex of the tip to the nearest point of a new pose.
+    ///
+    /// So a motion of the blade along its edge moves nothing but a corner of the tip, at which the
+    /// blade ends in the body.
+    ///
+    /// The first result is the tip with the parameters of these points.
+    pub(super) fn leads(
+        &self,
+        surface: &Surface,
+        map: &BladeMap,
+        blade: &[[f32; 3]],
+    ) -> (Vec<TipPoint>, Vec<Lead>) {
+        let line = map.line(blade);
+        let (tip, beyond) = self.slid(surface, map, &line);
         let lead = |i: usize| {
-            let point = &self.tip[i];
-            let to = map.at(point.parameter, point_at(blade, point.parameter));
-            let motion = to - map.vertex(surface, point.vertex);
-            let ahead = ahead(surface, map, &self.tip, i);
+            let point = &tip[i];
+            let target = map.at(point.parameter, point_at(blade, point.parameter));
+            let motion = target - map.vertex(surface, point.vertex);
+            let ahead = ahead(surface, map, &tip, i);
             let progress = ahead.map_or(motion.norm(), |ahead| motion.dot(&ahead));
+            let scale = if beyond[i] { 0.0 } else { 1.0 / self.local };
             Lead {
-                target: to,
-                distance: motion.norm() / self.local,
-                progress: progress / self.local,
+                target,
+                distance: scale * motion.norm(),
+                progress: scale * progress,
                 is_behind: progress < MIN_COSINE * motion.norm(),
                 ahead: ahead.unwrap_or_default(),
             }
         };
-        (0..self.tip.len()).map(lead).collect()
+        let leads = (0..tip.len()).map(lead).collect();
+        (tip, leads)
+    }
+
+    /// Returns the tip with the parameters of the nearest points of the blade, in order, and which
+    /// of its vertices are beyond an end of the blade.
+    ///
+    /// A corner of the tip keeps the parameter of the blade's end.
+    fn slid(
+        &self,
+        surface: &Surface,
+        map: &BladeMap,
+        line: &[(f64, Vec3)],
+    ) -> (Vec<TipPoint>, Vec<bool>) {
+        let last = line[line.len() - 1].0;
+        let mut tip = self.tip.clone();
+        let mut beyond = Vec::with_capacity(tip.len());
+        let count = tip.len();
+        for (i, point) in tip.iter_mut().enumerate() {
+            let found = nearest(line, map.vertex(surface, point.vertex));
+            let is_first = i == 0 && point.parameter <= 0.0;
+            let is_corner = is_first || (i + 1 == count && point.parameter >= last);
+            beyond.push(found.is_some_and(|found| found.beyond > MIN_MOTION * self.local));
+            if let Some(found) = found.filter(|_| !is_corner) {
+                point.parameter = found.parameter;
+            }
+        }
+        order(&mut tip, last);
+        (tip, beyond)
+    }
+}
+
+/// Separates the parameters of vertices of a tip that are out of order.
+fn order(tip: &mut [TipPoint], last: f64) {
+    let least = MIN_SPACING * last;
+    for i in 1..tip.len() {
+        let (before, own) = (tip[i - 1], tip[i].parameter);
+        tip[i].parameter = if before.meets_next {
+            before.parameter
+        } else {
+            own.max(before.parameter + least)
+        };
+    }
+    let mut end = last;
+    for i in (0..tip.len()).rev() {
+        tip[i].parameter = tip[i].parameter.min(end);
+        let meets = i > 0 && tip[i - 1].meets_next;
+        end = tip[i].parameter - if meets { 0.0 } else { least };
     }
 }
 

@@ -1,6 +1,7 @@
 //! [`BladeMap`]: a blade in a deformed body, in the coordinates of the body's rest shape.
 
 use super::TipPoint;
+use super::line::point_at;
 use super::piercings::Piercing;
 use crate::affine::AffineMap;
 use incise_mesh::{Surface, Vec3, VertexId};
@@ -96,6 +97,18 @@ impl BladeMap {
         } else {
             surface.rest_position(v)
         }
+    }
+
+    /// Returns the blade as a polyline: parameters and mapped points \[m\].
+    pub(super) fn line(&self, blade: &[[f32; 3]]) -> Vec<(f64, Vec3)> {
+        #[expect(clippy::cast_precision_loss, reason = "few points")]
+        let points = (0..blade.len()).map(|i| i as f64);
+        let anchors = self.anchors.iter().map(|anchor| anchor.parameter);
+        let mut parameters: Vec<f64> = points.chain(anchors).collect();
+        parameters.sort_by(f64::total_cmp);
+        parameters.dedup();
+        let at = |parameter| (parameter, self.at(parameter, point_at(blade, parameter)));
+        parameters.into_iter().map(at).collect()
     }
 
     /// Maps a point of the blade, or near it, at a parameter of the blade \[m\].

@@ -1,7 +1,7 @@
 //! The way of a blade through a body, in which it may move back without a cut.
 
 use super::TipPoint;
-use super::columns::point_at;
+use super::line::{offset, point_at};
 use incise_mesh::{Surface, Vec3, VertexId};
 
 /// The way of a blade since it entered the body: the pose before, then the ends of each tip.
@@ -80,19 +80,12 @@ impl Path {
                 return None;
             }
             let to = tip.map(|end| end.middle(surface));
-            let (parameters, from) = match before {
-                Some(before) => (
-                    before.map(|end| end.parameter),
-                    before.map(|end| end.middle(surface)),
-                ),
-                None => (
-                    tip.map(|end| end.parameter),
-                    tip.map(|end| (point_at(&self.entry, end.parameter), 0.0)),
-                ),
+            let from = match before {
+                Some(before) => before.map(|end| end.middle(surface)),
+                None => tip.map(|end| (point_at(&self.entry, end.parameter), 0.0)),
             };
             // The distances of the blade from the tip's ends change linearly along the way.
-            let first = [0, 1].map(|k| point_at(blade, parameters[k]) - from[k].0);
-            let last = [0, 1].map(|k| point_at(blade, tip[k].parameter) - to[k].0);
+            let [first, last] = [from, to].map(|ends| ends.map(|end| offset(blade, end.0)));
             let earliest = if before.is_some() {
                 0.0
             } else {

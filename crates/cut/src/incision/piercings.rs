@@ -1,6 +1,6 @@
 //! Where a blade pierces a surface.
 
-use super::columns::point_at;
+use super::line::point_at;
 use incise_mesh::geometry::{area_vector, to_f32, to_f64};
 use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
 
