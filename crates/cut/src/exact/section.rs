@@ -77,6 +77,8 @@ pub(super) struct CrossSection {
     /// Sections by facet; those beyond the count keep their memory.
     sections: Vec<FacetSection>,
     count: usize,
+    /// The nodes of the curves with two nodes, around parts of two triangles back to back.
+    flat_curves: Vec<[u32; 2]>,
     stretches: Vec<Stretch>,
     /// Nodes and edges of the current loop.
     outline: Vec<(u32, BoundaryEdge)>,
@@ -114,6 +116,7 @@ impl CrossSection {
     /// [`CutError::OpenSection`] if parts of boundaries do not close.
     pub(super) fn project(&mut self, rims: &Rims<'_>, lengths: &[f64]) -> Result<(), CutError> {
         self.count = 0;
+        self.flat_curves.clear();
         self.stretches.clear();
         let capped = (0..rims.rim.sizes.len()).filter(|&curve| rims.curves[curve].is_capped);
         for curve in capped {
@@ -159,6 +162,10 @@ impl CrossSection {
             let ring = rims.rim.ring(curve);
             self.outline
                 .extend(ring.map(|node| (node, BoundaryEdge::Rim(node))));
+            if let [(a, _), (b, _)] = self.outline[..] {
+                self.flat_curves.push([a, b]);
+                return;
+            }
             let facet = rims.nodes[self.outline[0].0 as usize].facet;
             self.add_loop(rims, lengths, facet);
             return;
@@ -270,6 +277,11 @@ impl CrossSection {
     /// Returns the sections.
     pub(super) fn sections(&self) -> &[FacetSection] {
         &self.sections[..self.count]
+    }
+
+    /// Returns the nodes of each curve with two nodes. Its section is an edge, followed twice.
+    pub(super) fn flat_curves(&self) -> &[[u32; 2]] {
+        &self.flat_curves
     }
 
     /// Returns whether a loop is the boundary of a hole.

@@ -4,6 +4,7 @@ mod bvh;
 mod common;
 mod curved;
 mod exact;
+mod flat;
 mod incision;
 mod intersect;
 mod lineage;
