@@ -312,6 +312,7 @@ impl Cutter {
         let topology = self.version.topology;
         let (separator, outcome_mut) = (&mut self.separator, &mut outcome);
         let at = Intersection {
+            bvh: &self.bvh,
             sweep,
             facets: &self.facets,
             trace: &self.trace,

@@ -29,6 +29,7 @@ mod snap;
 mod split;
 mod tip;
 mod verify;
+mod volumes;
 
 use crate::blade_position::is_in_body;
 use crate::error::CutError;
@@ -157,6 +158,12 @@ impl Exact {
             ..
         } = at;
         let report = &mut outcome.report;
+        self.frames.read(facets);
+        let parts = if params.snap > 0.0 || params.remesh > 0.0 {
+            volumes::smaller_parts(surface, &at, &self.frames)
+        } else {
+            Vec::new()
+        };
         let mut edit = surface.edit();
         (self.sides).open(&mut edit, trace, facets, &mut self.splitter)?;
         self.rim.reset(trace);
@@ -166,12 +173,7 @@ impl Exact {
             sides: &mut self.sides,
             rim: &mut self.rim,
         };
-        self.frames.read(facets);
-        let (area, width) = self.frames.section_size(trace);
-        let max_volume = snap::MAX_TOTAL_VOLUME * area * trace.mean_local().min(width);
-        let snapped = self
-            .snapper
-            .snap(&mut opened, facets, params.snap, max_volume);
+        let snapped = (self.snapper).snap(&mut opened, facets, params.snap, &parts);
         report.snapped_vertices = snapped.vertices;
         report.merged_points = snapped.nodes;
         report.moved_volume = snapped.volume;
@@ -191,7 +193,9 @@ impl Exact {
             sides: &mut self.sides,
             rim: &mut self.rim,
         };
-        let remeshed = (self.remesher).remesh(&mut opened, params.remesh, width, may_merge);
+        let width = self.frames.section_width(trace);
+        let widths: Vec<f64> = parts.iter().map(|part| width.min(part.thickness)).collect();
+        let remeshed = (self.remesher).remesh(&mut opened, params.remesh, &widths, may_merge);
         report.flipped_edges = remeshed.flips;
         report.collapsed_vertices = remeshed.vertices;
         report.moved_volume += remeshed.volume;

@@ -16,6 +16,7 @@
 
 use super::contract::{Opened, closed_fan, flatness, swept_volume};
 use super::rim::NO_NODE;
+use super::volumes::SmallerPart;
 use crate::intersection::facets::Facets;
 use crate::intersection::node::On;
 use incise_mesh::geometry::area_vector;
@@ -24,11 +25,10 @@ use incise_mesh::{HalfEdge, Surface, Topology, Vec3, VertexId, index_u32};
 /// Maximum volume that one contraction moves [cubes of the local edge length].
 const MAX_MOVED_VOLUME: f64 = 5e-3;
 
-/// Maximum volume that all contractions of a cut move [section area times mean local edge length,
-/// or times the section's width if that is less].
+/// Maximum volume that all contractions at a curve move [volume of the smaller part].
 ///
-/// A small part even of a body that is one edge thick.
-pub(super) const MAX_TOTAL_VOLUME: f64 = 1e-3;
+/// The part is known only after the cut; [`SmallerPart::volume`] is a lower bound.
+const MAX_TOTAL_VOLUME: f64 = 1e-3;
 
 /// Counters of snapping.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -44,8 +44,8 @@ pub(super) struct Snapped {
 /// Scratch memory of snapping.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Snapper {
-    /// Volume that may still be moved \[m^3\].
-    volume_left: f64,
+    /// By curve, volume that may still be moved \[m^3\].
+    volumes_left: Vec<f64>,
     boundary: Boundary,
     near: Vec<VertexId>,
     far: Vec<VertexId>,
@@ -88,19 +88,20 @@ impl Boundary {
 impl Snapper {
     /// Contracts edges shorter than `snap` times the local edge length.
     ///
-    /// Moves a volume of at most `max_volume` \[m^3\].
+    /// `parts` has the smaller part of each curve.
     pub(super) fn snap(
         &mut self,
         cut: &mut Opened<'_, '_>,
         facets: &Facets,
         snap: f64,
-        max_volume: f64,
+        parts: &[SmallerPart],
     ) -> Snapped {
-        self.volume_left = max_volume;
         let mut done = Snapped::default();
         if snap <= 0.0 {
             return done;
         }
+        self.volumes_left.clear();
+        (self.volumes_left).extend(parts.iter().map(|part| MAX_TOTAL_VOLUME * part.volume));
         self.boundary.read(cut, facets);
         let count = index_u32(cut.nodes.len());
         for node in 0..count {
@@ -131,7 +132,8 @@ impl Snapper {
     /// Returns the maximum volume that a contraction at `node` may move now.
     fn limit(&self, cut: &Opened<'_, '_>, node: u32) -> f64 {
         let local = cut.nodes[node as usize].local;
-        self.volume_left.min(MAX_MOVED_VOLUME * local.powi(3))
+        let left = self.volumes_left[cut.rim.curve_of[node as usize] as usize];
+        left.min(MAX_MOVED_VOLUME * local.powi(3))
     }
 
     fn is_short(cut: &Opened<'_, '_>, node: u32, snap: f64) -> bool {
@@ -196,13 +198,14 @@ impl Snapper {
         };
         cut.contract(Some((node, side)), to_vertex, &self.fan);
         done.vertices += 1;
-        self.count_volume(volume, done);
+        self.count_volume(cut, node, volume, done);
     }
 
-    /// Adds a moved volume to the counters.
-    fn count_volume(&mut self, volume: f64, done: &mut Snapped) {
+    /// Adds a volume that a contraction at `node` moved to the counters.
+    fn count_volume(&mut self, cut: &Opened<'_, '_>, node: u32, volume: f64, done: &mut Snapped) {
         done.volume += volume;
-        self.volume_left = (self.volume_left - volume).max(0.0);
+        let left = &mut self.volumes_left[cut.rim.curve_of[node as usize] as usize];
+        *left = (*left - volume).max(0.0);
     }
 
     fn common_neighbors(&self) -> usize {
@@ -248,7 +251,7 @@ impl Snapper {
             if may {
                 cut.merge_nodes(node, kept, &mut self.fan);
                 done.nodes += 1;
-                self.count_volume(volume, done);
+                self.count_volume(cut, node, volume, done);
                 return true;
             }
         }

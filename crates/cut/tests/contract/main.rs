@@ -7,6 +7,7 @@ mod exact;
 mod flat;
 mod incision;
 mod intersect;
+mod layers;
 mod lineage;
 mod mesh_planes;
 mod misuse;
