@@ -157,7 +157,7 @@ impl Snapper {
         let On::Edge { ends, t, rises, .. } = cut.nodes[node as usize].on else {
             return;
         };
-        if cut.rim.is_near_end(node) {
+        if cut.is_near_end(node) {
             return;
         }
         let t = f64::from(t);
@@ -168,6 +168,10 @@ impl Snapper {
         } else {
             return;
         };
+        if cut.is_at_border(node) {
+            self.take_border_vertex(cut, facets, (node, side), vertex, done);
+            return;
+        }
         let topology = cut.edit.surface().topology();
         let mut fan = cut.rim.fan(topology, cut.sides, node, side);
         let Some(to_vertex) = fan.find(|&h| topology.target(h) == vertex) else {
@@ -179,8 +183,9 @@ impl Snapper {
         if !closed_fan(topology, start, &mut self.fan) {
             return;
         }
-        // The last vertex off the rim stays: without it a tip would be flat.
-        if (self.fan.iter()).all(|&h| is_at_boundary(topology, topology.twin(h))) {
+        // The last vertex off the rim stays: without it a tip would be flat, as sheets are anyway.
+        let is_at_boundary = |&h: &HalfEdge| is_at_boundary(topology, topology.twin(h));
+        if cut.rim.is_capped(node) && self.fan.iter().all(is_at_boundary) {
             return;
         }
         self.near.clear();
@@ -197,6 +202,69 @@ impl Snapper {
             return;
         };
         cut.contract(Some((node, side)), to_vertex, &self.fan);
+        done.vertices += 1;
+        self.count_volume(cut, node, volume, done);
+    }
+
+    /// Moves the vertex of a sheet's boundary close to an end of a curve onto its node.
+    ///
+    /// The area that the boundary sweeps counts as one edge thick.
+    fn take_border_vertex(
+        &mut self,
+        cut: &mut Opened<'_, '_>,
+        facets: &Facets,
+        (node, side): (u32, usize),
+        vertex: VertexId,
+        done: &mut Snapped,
+    ) {
+        let surface = cut.edit.surface();
+        let topology = surface.topology();
+        let target = cut.sides.vertices[node as usize][side];
+        self.far.clear();
+        (cut.rim).neighbors(topology, cut.sides, node, side, &mut self.far);
+        // The boundary's half-edge is the first or the last side of the node's fan.
+        let mut fan = cut.rim.fan(topology, cut.sides, node, side);
+        let is_along = |h: HalfEdge| {
+            let ends = [topology.origin(h), topology.target(h)];
+            topology.twin(h).is_null() && ends.contains(&vertex) && ends.contains(&target)
+        };
+        let along = fan.find_map(|h| [h, h.prev()].into_iter().find(|&h| is_along(h)));
+        drop(fan);
+        let Some(along) = along else {
+            return;
+        };
+        let of_vertex = if topology.origin(along) == vertex {
+            along
+        } else {
+            along.next()
+        };
+        self.fan.clear();
+        self.near.clear();
+        let mut at = topology.first_in_fan(of_vertex);
+        while !at.is_null() {
+            self.fan.push(at);
+            self.near.push(topology.target(at));
+            let back = at.prev();
+            at = topology.twin(back);
+            if at.is_null() {
+                self.near.push(topology.origin(back));
+            }
+        }
+        let is_alone = [along.next(), along.prev()].map(|h| topology.twin(h));
+        if self.common_neighbors() != 1 || is_alone == [HalfEdge::NULL; 2] {
+            return;
+        }
+        let ends = [self.near[0], self.near[self.near.len() - 1]];
+        let other = if ends[0] == target { ends[1] } else { ends[0] };
+        let corners = [other, vertex, target].map(|v| surface.position(v));
+        let area = area_vector(corners).norm() / 2.0;
+        let limit = self.limit(cut, node);
+        let moved = self.moved_volume(surface, facets, [vertex, target], limit);
+        let volume = moved.map(|moved| moved + area * cut.nodes[node as usize].local);
+        let Some(volume) = volume.filter(|&volume| volume <= limit) else {
+            return;
+        };
+        cut.contract_border(node, side, along, &self.fan);
         done.vertices += 1;
         self.count_volume(cut, node, volume, done);
     }
@@ -225,9 +293,13 @@ impl Snapper {
             return false;
         }
         let (before, after) = (cut.rim.prev[node as usize], cut.rim.next[next as usize]);
-        let at = |n: u32| cut.nodes[n as usize].position;
-        // The one with less room on its other side goes; what lies on the crease stays.
-        let next_goes = (at(after) - at(next)).norm() <= (at(node) - at(before)).norm();
+        let room = |node: u32, beyond: u32| match cut.nodes.get(beyond as usize) {
+            Some(beyond) => (beyond.position - cut.nodes[node as usize].position).norm(),
+            None => 0.0,
+        };
+        // The one with less room on its other side goes; what lies on the crease stays, and so does
+        // an end of the curve.
+        let next_goes = room(next, after) <= room(node, before);
         let orders = if next_goes {
             [true, false]
         } else {
@@ -239,7 +311,7 @@ impl Snapper {
             } else {
                 (next, node)
             };
-            if cut.is_on_sweep_edge(gone) {
+            if cut.is_on_sweep_edge(gone) || cut.rim.is_end(gone) {
                 continue;
             }
             let mut volume = 0.0;
