@@ -21,6 +21,7 @@ mod chains;
 mod contract;
 mod frames;
 mod open;
+mod pinch;
 mod remesh;
 mod rest;
 mod rim;
@@ -69,6 +70,26 @@ impl Search<'_> {
     }
 }
 
+/// Changes of the rim that a cut may make.
+#[derive(Debug, Clone, Copy)]
+struct Liberties {
+    /// Remeshing may merge nodes.
+    merge: bool,
+    /// Nodes at one point may share a vertex.
+    pinch: bool,
+}
+
+/// Outcome of a split.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Split {
+    Done,
+    /// The section has necks without width, see [`pinch`].
+    Necks,
+    /// Merging made loops touch or cross others, or no longer do so. Their caps would join separate
+    /// pieces.
+    Regrouped,
+}
+
 /// Scratch memory, kept between cuts.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Exact {
@@ -114,6 +135,9 @@ impl Exact {
 
     /// Cuts `surface` along intersection curves. See the module.
     ///
+    /// Returns false at necks of the section, if asked to stop there. The surface is then bit for
+    /// bit what it was.
+    ///
     /// # Errors
     /// [`CutError`]; the surface is then bit for bit what it was.
     pub(crate) fn cut(
@@ -123,31 +147,41 @@ impl Exact {
         params: &CutParams,
         separator: &mut Separator,
         outcome: &mut CutOutcome,
-    ) -> Result<(), CutError> {
+    ) -> Result<bool, CutError> {
         let pieces = surface.piece_bound();
-        let is_done = self.split(surface, at, params, true, separator, outcome)?
-            || self.split(surface, at, params, false, separator, outcome)?;
-        debug_assert!(is_done, "without merged nodes the loops are what they were");
+        let mut may = Liberties {
+            merge: true,
+            // Remeshing needs all triangles of a vertex in the fan of its node.
+            pinch: params.remesh == 0.0,
+        };
+        loop {
+            match self.split(surface, at, params, may, separator, outcome) {
+                Ok(Split::Done) => break,
+                Ok(Split::Necks) => return Ok(false),
+                Ok(Split::Regrouped) => may.merge = false,
+                Err(_) if may.pinch && self.rim.is_pinched => may.pinch = false,
+                Err(error) => return Err(error),
+            }
+        }
         if surface.piece_bound() != pieces {
             // A part of a body that intersects itself can be inside out, like a cavity.
             self.chains.has_cavities = None;
         }
-        Ok(())
+        Ok(true)
     }
 
-    /// Splits the surface along the curves; remeshing merges nodes if it `may_merge`.
+    /// Splits the surface along the curves.
     ///
-    /// Returns false if merging made loops touch or cross others, or no longer do so. Their caps
-    /// would join separate pieces. The surface is then bit for bit unchanged.
+    /// Unless it is [`Split::Done`], the surface is bit for bit unchanged.
     fn split(
         &mut self,
         surface: &mut Surface,
         at: Intersection<'_>,
         params: &CutParams,
-        may_merge: bool,
+        may: Liberties,
         separator: &mut Separator,
         outcome: &mut CutOutcome,
-    ) -> Result<bool, CutError> {
+    ) -> Result<Split, CutError> {
         let begin = Instant::now();
         let Intersection {
             sweep,
@@ -177,9 +211,16 @@ impl Exact {
         report.snapped_vertices = snapped.vertices;
         report.merged_points = snapped.nodes;
         report.moved_volume = snapped.volume;
+        if may.pinch && params.snap > 0.0 {
+            let pinched = pinch::join_nodes(&mut opened, &self.frames);
+            if pinched.necks > 0 && at.stops_at_necks {
+                return Ok(Split::Necks);
+            }
+            report.merged_points += pinched.nodes;
+        }
         report.split = begin.elapsed();
         let begin = Instant::now();
-        let may_join = may_merge && params.remesh > 0.0 && trace.curves.len() > 1;
+        let may_join = may.merge && params.remesh > 0.0 && trace.curves.len() > 1;
         let groups = if may_join {
             // Groups depend on the curves alone, so meshes without new points are enough.
             self.mesh_sections(&mut edit, at, &params.refine, false, None)?;
@@ -195,7 +236,7 @@ impl Exact {
         };
         let width = self.frames.section_width(trace);
         let widths: Vec<f64> = parts.iter().map(|part| width.min(part.thickness)).collect();
-        let remeshed = (self.remesher).remesh(&mut opened, params.remesh, &widths, may_merge);
+        let remeshed = (self.remesher).remesh(&mut opened, params.remesh, &widths, may.merge);
         report.flipped_edges = remeshed.flips;
         report.collapsed_vertices = remeshed.vertices;
         report.moved_volume += remeshed.volume;
@@ -218,7 +259,7 @@ impl Exact {
             return Err(CutError::PartialCut { triangle });
         }
         if remeshed.nodes > 0 && groups.is_some_and(|groups| groups != self.cap.groups()) {
-            return Ok(false);
+            return Ok(Split::Regrouped);
         }
         report.cap = begin.elapsed();
         let begin = Instant::now();
@@ -243,7 +284,7 @@ impl Exact {
         let begin = Instant::now();
         let (delta, undo) = edit.finish();
         let may_be_open = trace.curves.iter().any(|curve| !curve.is_capped);
-        if at.may_share_walls
+        if (at.may_share_walls || self.rim.is_pinched)
             && let Some(vertex) = verify::find_defect(surface, &delta, may_be_open)
         {
             undo.revert(surface).expect("the last edit can be undone");
@@ -253,7 +294,7 @@ impl Exact {
         outcome.undo = Some(undo);
         outcome.cap = self.cap.triangles.concat();
         report.commit = begin.elapsed();
-        Ok(true)
+        Ok(Split::Done)
     }
 
     /// Returns a triangle on each side of each curve.

@@ -28,4 +28,6 @@ pub(crate) struct Intersection<'a> {
     pub(crate) may_share_walls: bool,
     /// Whether two threads share the work.
     pub(crate) is_shared: bool,
+    /// Whether the cut ends without a change where the section has necks without width.
+    pub(crate) stops_at_necks: bool,
 }

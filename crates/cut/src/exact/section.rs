@@ -11,7 +11,7 @@ use crate::error::CutError;
 use crate::intersection::facets::{Facets, NO_FACET};
 use crate::intersection::node::Node;
 use crate::intersection::trace::Curve;
-use incise_mesh::{Topology, index_u32};
+use incise_mesh::{Topology, VertexId, index_u32};
 use incise_refine::{
     RefineError, RefineParams, Section, SectionMesh, SectionMeshParams, SectionMeshScratch,
     SectionMeshSize, triangulate_section,
@@ -394,13 +394,17 @@ impl Rims<'_> {
     fn may_have_edge(&self, topology: &Topology, section: &FacetSection, a: u32, b: u32) -> bool {
         let [from, to] = [a, b].map(|p| section.nodes[p as usize]);
         let [own, other] = [from, to].map(|node| self.sides.vertices[node as usize]);
+        let is_beside = |node: u32, others: [VertexId; 2]| {
+            node < index_u32(self.nodes.len())
+                && self.rim.is_beside(topology, self.sides, node, others)
+        };
         if own[0] == own[1] && other[0] == other[1] {
             return true;
         }
         if self.chains.are_on_one_edge(from, to) {
             return true;
         }
-        from < index_u32(self.nodes.len()) && self.rim.is_beside(topology, self.sides, from, other)
+        is_beside(from, other) || (self.rim.is_pinched && is_beside(to, own))
     }
 }
 

@@ -11,6 +11,7 @@ mod layers;
 mod lineage;
 mod mesh_planes;
 mod misuse;
+mod pinched;
 mod progress;
 mod recut;
 mod rest;
