@@ -279,14 +279,17 @@ impl Cutter {
     ) -> Result<CutOutcome, CutError> {
         params.check()?;
         if from.is_none() {
-            // A neck of the section without width is none where ties are broken the other way.
-            for reverses_ties in [false, true] {
-                self.facets.reverses_ties = reverses_ties;
-                let outcome = self.try_cut(surface, sweep, params, from, true);
-                self.facets.reverses_ties = false;
-                if let Some(outcome) = outcome? {
-                    return Ok(outcome);
-                }
+            if let Some(outcome) = self.try_cut(surface, sweep, params, from, true)? {
+                return Ok(outcome);
+            }
+            // A neck without width is none where ties are broken the other way.
+            self.facets.reverses_ties = true;
+            let reversed = self.try_cut(surface, sweep, params, from, true);
+            self.facets.reverses_ties = false;
+            if let Ok(Some(outcome)) = reversed
+                && !outcome.is_miss()
+            {
+                return Ok(outcome);
             }
         }
         let outcome = self.try_cut(surface, sweep, params, from, false)?;

@@ -159,7 +159,7 @@ impl Exact {
                 Ok(Split::Done) => break,
                 Ok(Split::Necks) => return Ok(false),
                 Ok(Split::Regrouped) => may.merge = false,
-                Err(_) if may.pinch && self.rim.is_pinched => may.pinch = false,
+                Err(_) if may.pinch && !self.rim.pinches.is_empty() => may.pinch = false,
                 Err(error) => return Err(error),
             }
         }
@@ -263,7 +263,8 @@ impl Exact {
         }
         report.cap = begin.elapsed();
         let begin = Instant::now();
-        let joined: Vec<(usize, usize)> = self.cap.joined().collect();
+        let mut joined: Vec<(usize, usize)> = self.cap.joined().collect();
+        joined.extend(self.joined_at_pinches());
         if search.is_none_or(|search| search.joined.as_ref() != Some(&joined)) {
             separator.find_parts(edit.surface(), sweep, &self.seeds(), &joined);
         }
@@ -284,7 +285,7 @@ impl Exact {
         let begin = Instant::now();
         let (delta, undo) = edit.finish();
         let may_be_open = trace.curves.iter().any(|curve| !curve.is_capped);
-        if (at.may_share_walls || self.rim.is_pinched)
+        if (at.may_share_walls || !self.rim.pinches.is_empty())
             && let Some(vertex) = verify::find_defect(surface, &delta, may_be_open)
         {
             undo.revert(surface).expect("the last edit can be undone");
@@ -297,13 +298,37 @@ impl Exact {
         Ok(Split::Done)
     }
 
-    /// Returns a triangle on each side of each curve.
+    /// Returns a triangle on each side of each curve, then one beside each edge at a pinch.
     ///
     /// Side 0 of a curve has an even number, side 1 the next.
     fn seeds(&self) -> Vec<TriangleId> {
         let nodes = self.rim.first.iter();
         let sides = nodes.flat_map(|&node| self.sides.rim[node as usize].map(HalfEdge::triangle));
-        sides.collect()
+        let pinched = self.pinched_edges();
+        let pinched = pinched.map(|(node, side)| self.sides.rim[node as usize][side].triangle());
+        sides.chain(pinched).collect()
+    }
+
+    /// Iterates over the rim edges at pinches, by their first nodes, and the sides.
+    fn pinched_edges(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
+        let pinches = self.rim.pinches.iter();
+        pinches.flat_map(|&(nodes, side)| {
+            let edges = nodes.map(|n| [n, self.rim.prev[n as usize]]);
+            edges.into_iter().flatten().map(move |node| (node, side))
+        })
+    }
+
+    /// Returns pairs of numbers of seeds in one part of the surface: those at a pinch, which only
+    /// the cap connects, and those of their curve.
+    fn joined_at_pinches(&self) -> Vec<(usize, usize)> {
+        let first = 2 * self.rim.first.len();
+        let edges = self.pinched_edges().enumerate();
+        edges
+            .map(|(i, (node, side))| {
+                let curve = self.rim.curve_of[node as usize] as usize;
+                (2 * curve + side, first + i)
+            })
+            .collect()
     }
 
     /// Meshes the sections of the opened surface, which get new points if `is_refined`.
@@ -356,7 +381,7 @@ impl Exact {
             && !trace.curves.iter().any(|curve| trace.has_end(curve))
         {
             // Caps without holes join nothing in one plane.
-            search.joined = Some(Vec::new());
+            search.joined = Some(self.joined_at_pinches());
         }
         let mut mesh = || (self.cap).triangulate(&rims, surface.topology(), refine, is_refined);
         let has_converged = match search {

@@ -7,7 +7,7 @@ use incise_mesh::geometry::area_vector;
 use incise_mesh::{CornerValues, Edit, HalfEdge, Surface, Topology, Vec3, VertexId};
 
 /// Rounding error of a stored coordinate [of the coordinate].
-pub(super) const ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
+const ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
 
 /// A cut in progress: the opened surface with its rim.
 pub(super) struct Opened<'a, 'e> {

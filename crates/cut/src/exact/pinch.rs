@@ -6,7 +6,7 @@
 //! nodes keep a vertex each, where two ends of the part touch. Where the section is a neck without
 //! width between them, the cut is made again with the other rule for ties, which opens the neck.
 
-use super::contract::{Opened, ROUNDING};
+use super::contract::Opened;
 use super::frames::Frames;
 use super::rim::NO_NODE;
 use incise_mesh::{HalfEdge, VertexId};
@@ -35,8 +35,11 @@ pub(super) fn join_nodes(cut: &mut Opened<'_, '_>, frames: &Frames) -> Pinched {
             fan.clear();
             let topology = cut.edit.surface().topology();
             fan.extend(cut.rim.fan(topology, cut.sides, node, side));
-            let is_short = |h: &HalfEdge| is_point(cut, node, topology.target(*h));
-            let Some(&chord) = fan.iter().skip(1).find(|h| is_short(h)) else {
+            // Of vertices that differ by rounding, the caps would differ too.
+            let at = |v: VertexId| cut.edit.surface().position(v);
+            let own = at(cut.sides.vertices[node as usize][side]);
+            let is_short = |h: &&HalfEdge| at(topology.target(**h)) == own;
+            let Some(&chord) = fan.iter().skip(1).find(is_short) else {
                 continue;
             };
             let places = places.get_or_insert_with(|| places_of_nodes(cut));
@@ -57,12 +60,6 @@ pub(super) fn join_nodes(cut: &mut Opened<'_, '_>, frames: &Frames) -> Pinched {
     done
 }
 
-/// Returns whether a vertex is at a node, up to rounding.
-fn is_point(cut: &Opened<'_, '_>, node: u32, vertex: VertexId) -> bool {
-    let at = cut.nodes[node as usize].position;
-    (cut.edit.surface().position(vertex) - at).norm() <= ROUNDING * at.amax()
-}
-
 /// Returns the vertices of all nodes, sorted.
 fn places_of_nodes(cut: &Opened<'_, '_>) -> Vec<(VertexId, u32)> {
     let nodes = (0..).zip(&cut.sides.vertices);
@@ -77,10 +74,11 @@ fn places_of_nodes(cut: &Opened<'_, '_>) -> Vec<(VertexId, u32)> {
 /// Returns whether the section is a neck between two nodes at one point.
 ///
 /// It is if both edges of the second node leave into the section at the first one. None if only one
-/// does.
+/// does, or if the nodes are on two facets, which may overlap.
 fn is_neck(cut: &Opened<'_, '_>, frames: &Frames, [a, b]: [u32; 2]) -> Option<bool> {
     let around = [a, b].map(|n| [cut.rim.next[n as usize], cut.rim.prev[n as usize]]);
-    if around.iter().flatten().any(|&n| n == NO_NODE) {
+    let [own, other] = [a, b].map(|n| cut.nodes[n as usize].facet);
+    if own != other || around.iter().flatten().any(|&n| n == NO_NODE) {
         return None;
     }
     let at = |n: u32| {
@@ -159,6 +157,6 @@ fn contract(
         }
     }
     cut.sides.vertices[b as usize][side] = kept;
-    cut.rim.is_pinched = true;
+    cut.rim.pinches.push(([a, b], side));
     true
 }

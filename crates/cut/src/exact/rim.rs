@@ -21,8 +21,8 @@ pub(crate) struct Rim {
     pub(super) first: Vec<u32>,
     /// Whether caps or walls close each curve.
     is_capped: Vec<bool>,
-    /// Whether some nodes share a vertex, whose fans are then one for each node.
-    pub(super) is_pinched: bool,
+    /// Pairs of nodes that share a vertex on a side. Each has a part of its fan.
+    pub(super) pinches: Vec<([u32; 2], usize)>,
 }
 
 impl Rim {
@@ -37,7 +37,7 @@ impl Rim {
         self.sizes.clear();
         self.first.clear();
         self.is_capped.clear();
-        self.is_pinched = false;
+        self.pinches.clear();
         for (i, curve) in (0..).zip(&trace.curves) {
             let Range { start, end } = curve.nodes;
             for node in start..end {

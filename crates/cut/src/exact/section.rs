@@ -404,7 +404,7 @@ impl Rims<'_> {
         if self.chains.are_on_one_edge(from, to) {
             return true;
         }
-        is_beside(from, other) || (self.rim.is_pinched && is_beside(to, own))
+        is_beside(from, other) || (!self.rim.pinches.is_empty() && is_beside(to, own))
     }
 }
 

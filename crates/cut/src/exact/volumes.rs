@@ -120,7 +120,7 @@ fn is_body(surface: &Surface, at: &Intersection<'_>, curve: &Curve) -> bool {
         On::Tip(_) => None,
     });
     let piece = triangle.map(|t| surface.piece(t) as usize);
-    curve.is_capped && !piece.is_some_and(|piece| at.is_sheet.get(piece) == Some(&true))
+    curve.is_capped && piece.is_none_or(|piece| at.is_sheet.get(piece) != Some(&true))
 }
 
 /// Returns the lines across some curves, in the order of their heights.

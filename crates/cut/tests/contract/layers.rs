@@ -10,7 +10,7 @@ fn volumes(whole: &Surface, normal: [f64; 3], d: f64, params: &CutParams) -> Vec
     let mut surface = whole.clone();
     let sweep = Sweep::from_plane(normal, d, &whole.bounds()).unwrap();
     let outcome = Cutter::new(&surface).cut(&mut surface, &sweep, params);
-    assert!(!outcome.unwrap().is_miss());
+    assert!(!outcome.unwrap().is_miss(), "the plane cuts");
     check(&surface);
     let mut volumes = surface.piece_volumes();
     volumes.sort_unstable_by(f64::total_cmp);
@@ -24,7 +24,7 @@ fn check_layer(whole: &Surface, normal: [f64; 3], d: f64, share: f64) -> Vec<f64
     let exact = volumes(whole, normal, d, &params(0.0));
     for snap in [0.1, 0.3] {
         let snapped = volumes(whole, normal, d, &params(snap));
-        assert_eq!(snapped.len(), exact.len());
+        assert_eq!(snapped.len(), exact.len(), "number of pieces");
         let largest = exact.len() - 1;
         for (i, (a, b)) in snapped.iter().zip(&exact).enumerate() {
             let bound = if i < largest {

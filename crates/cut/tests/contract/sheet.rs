@@ -312,7 +312,7 @@ fn check_sizes(surface: &Surface) {
 #[test]
 fn a_cut_along_a_line_of_the_grid_leaves_no_sliver() {
     for [width, height] in [[4u8, 3u8], [7, 5], [2, 8]] {
-        for turn in [0.0, 0.3, 0.785_398, 1.2, 2.0] {
+        for turn in [0.0, 0.3, std::f64::consts::FRAC_PI_4, 1.2, 2.0] {
             let (sin, cos) = f64::sin_cos(turn);
             let flat = sheet([1.0, 1.0], [u32::from(width), u32::from(height)]);
             let mut whole = flat.clone();

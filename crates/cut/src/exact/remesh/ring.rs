@@ -56,9 +56,9 @@ impl Ring {
         self.rim.clear(topology.vertex_slots());
         self.members.clear();
         self.places.clear();
-        for i in 0..cut.rim.sizes.len() {
+        for (i, &width) in widths.iter().enumerate() {
             for node in cut.rim.ring(i) {
-                let limit = tolerance * cut.nodes[node as usize].local.min(widths[i]);
+                let limit = tolerance * cut.nodes[node as usize].local.min(width);
                 for side in 0..2 {
                     let (_, is_new) = self.rim.insert(cut.sides.vertices[node as usize][side].0);
                     // Where a curve ends, both sides have the same vertex.
