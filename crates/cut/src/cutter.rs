@@ -283,6 +283,34 @@ impl Cutter {
         from: Option<Continuation<'_>>,
     ) -> Result<CutOutcome, CutError> {
         params.check()?;
+        if from.is_none() {
+            if let Some(outcome) = self.try_cut(surface, sweep, params, from, true)? {
+                return Ok(outcome);
+            }
+            // A neck without width is none where ties are broken the other way.
+            self.facets.reverses_ties = true;
+            let reversed = self.try_cut(surface, sweep, params, from, true);
+            self.facets.reverses_ties = false;
+            if let Ok(Some(outcome)) = reversed
+                && !outcome.is_miss()
+            {
+                return Ok(outcome);
+            }
+        }
+        let outcome = self.try_cut(surface, sweep, params, from, false)?;
+        Ok(outcome.expect("necks are allowed"))
+    }
+
+    /// Cuts `surface`; `None` where the section has necks without width, unless they are allowed.
+    /// The surface is then unchanged.
+    fn try_cut(
+        &mut self,
+        surface: &mut Surface,
+        sweep: &Sweep,
+        params: &CutParams,
+        from: Option<Continuation<'_>>,
+        stops_at_necks: bool,
+    ) -> Result<Option<CutOutcome>, CutError> {
         let begin = Instant::now();
         let none = ContinuedTip::default();
         let tip = from.map_or(&none, |from| from.tip);
@@ -308,7 +336,7 @@ impl Cutter {
         outcome.report.loops = self.trace.curves.len() - outcome.report.slits;
         if self.trace.curves.is_empty() {
             outcome.report.detection = begin.elapsed();
-            return Ok(outcome);
+            return Ok(Some(outcome));
         }
         let is_sheet = self.sheets(surface);
         self.find_capped(surface, params.caps, &is_sheet);
@@ -317,17 +345,21 @@ impl Cutter {
         let topology = self.version.topology;
         let (separator, outcome_mut) = (&mut self.separator, &mut outcome);
         let at = Intersection {
+            bvh: &self.bvh,
             sweep,
             facets: &self.facets,
             trace: &self.trace,
             is_sheet: &is_sheet,
             may_share_walls: self.has_walls || outcome_mut.report.slits > 0,
             is_shared,
+            stops_at_necks,
         };
         let done = (self.exact).cut(surface, at, params, separator, outcome_mut);
         // A cut that is taken back counts as an edit.
         self.version = SurfaceVersion::new(surface);
-        done?;
+        if !done? {
+            return Ok(None);
+        }
         if !outcome.is_miss() {
             self.has_sheets |= params.caps == Caps::None;
             self.has_walls |= outcome.report.slits > 0;
@@ -340,7 +372,7 @@ impl Cutter {
                 outcome.report.bvh_update = begin.elapsed();
             }
         }
-        Ok(outcome)
+        Ok(Some(outcome))
     }
 
     /// Finds the intersection curves of a sweep and the surface, which stays as it is.

@@ -21,6 +21,7 @@ mod chains;
 mod contract;
 mod frames;
 mod open;
+mod pinch;
 mod remesh;
 mod rest;
 mod rim;
@@ -29,6 +30,7 @@ mod snap;
 mod split;
 mod tip;
 mod verify;
+mod volumes;
 
 use crate::blade_position::is_in_body;
 use crate::error::CutError;
@@ -66,6 +68,26 @@ impl Search<'_> {
             (self.separator).find_parts(surface, sweep, &self.seeds, joined);
         }
     }
+}
+
+/// Changes of the rim that a cut may make.
+#[derive(Debug, Clone, Copy)]
+struct Liberties {
+    /// Remeshing may merge nodes.
+    merge: bool,
+    /// Nodes at one point may share a vertex.
+    pinch: bool,
+}
+
+/// Outcome of a split.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Split {
+    Done,
+    /// The section has necks without width, see [`pinch`].
+    Necks,
+    /// Merging made loops touch or cross others, or no longer do so. Their caps would join separate
+    /// pieces.
+    Regrouped,
 }
 
 /// Scratch memory, kept between cuts.
@@ -113,6 +135,9 @@ impl Exact {
 
     /// Cuts `surface` along intersection curves. See the module.
     ///
+    /// Returns false at necks of the section, if asked to stop there. The surface is then bit for
+    /// bit what it was.
+    ///
     /// # Errors
     /// [`CutError`]; the surface is then bit for bit what it was.
     pub(crate) fn cut(
@@ -122,31 +147,41 @@ impl Exact {
         params: &CutParams,
         separator: &mut Separator,
         outcome: &mut CutOutcome,
-    ) -> Result<(), CutError> {
+    ) -> Result<bool, CutError> {
         let pieces = surface.piece_bound();
-        let is_done = self.split(surface, at, params, true, separator, outcome)?
-            || self.split(surface, at, params, false, separator, outcome)?;
-        debug_assert!(is_done, "without merged nodes the loops are what they were");
+        let mut may = Liberties {
+            merge: true,
+            // Remeshing needs all triangles of a vertex in the fan of its node.
+            pinch: params.remesh == 0.0,
+        };
+        loop {
+            match self.split(surface, at, params, may, separator, outcome) {
+                Ok(Split::Done) => break,
+                Ok(Split::Necks) => return Ok(false),
+                Ok(Split::Regrouped) => may.merge = false,
+                Err(_) if may.pinch && !self.rim.pinches.is_empty() => may.pinch = false,
+                Err(error) => return Err(error),
+            }
+        }
         if surface.piece_bound() != pieces {
             // A part of a body that intersects itself can be inside out, like a cavity.
             self.chains.has_cavities = None;
         }
-        Ok(())
+        Ok(true)
     }
 
-    /// Splits the surface along the curves; remeshing merges nodes if it `may_merge`.
+    /// Splits the surface along the curves.
     ///
-    /// Returns false if merging made loops touch or cross others, or no longer do so. Their caps
-    /// would join separate pieces. The surface is then bit for bit unchanged.
+    /// Unless it is [`Split::Done`], the surface is bit for bit unchanged.
     fn split(
         &mut self,
         surface: &mut Surface,
         at: Intersection<'_>,
         params: &CutParams,
-        may_merge: bool,
+        may: Liberties,
         separator: &mut Separator,
         outcome: &mut CutOutcome,
-    ) -> Result<bool, CutError> {
+    ) -> Result<Split, CutError> {
         let begin = Instant::now();
         let Intersection {
             sweep,
@@ -157,6 +192,12 @@ impl Exact {
             ..
         } = at;
         let report = &mut outcome.report;
+        self.frames.read(facets);
+        let parts = if params.snap > 0.0 || params.remesh > 0.0 {
+            volumes::smaller_parts(surface, &at, &self.frames)
+        } else {
+            Vec::new()
+        };
         let mut edit = surface.edit();
         (self.sides).open(&mut edit, trace, facets, &mut self.splitter)?;
         self.rim.reset(trace);
@@ -166,18 +207,20 @@ impl Exact {
             sides: &mut self.sides,
             rim: &mut self.rim,
         };
-        self.frames.read(facets);
-        let (area, width) = self.frames.section_size(trace);
-        let max_volume = snap::MAX_TOTAL_VOLUME * area * trace.mean_local().min(width);
-        let snapped = self
-            .snapper
-            .snap(&mut opened, facets, params.snap, max_volume);
+        let snapped = (self.snapper).snap(&mut opened, facets, params.snap, &parts);
         report.snapped_vertices = snapped.vertices;
         report.merged_points = snapped.nodes;
         report.moved_volume = snapped.volume;
+        if may.pinch && params.snap > 0.0 {
+            let pinched = pinch::join_nodes(&mut opened, &self.frames);
+            if pinched.necks > 0 && at.stops_at_necks {
+                return Ok(Split::Necks);
+            }
+            report.merged_points += pinched.nodes;
+        }
         report.split = begin.elapsed();
         let begin = Instant::now();
-        let may_join = may_merge && params.remesh > 0.0 && trace.curves.len() > 1;
+        let may_join = may.merge && params.remesh > 0.0 && trace.curves.len() > 1;
         let groups = if may_join {
             // Groups depend on the curves alone, so meshes without new points are enough.
             self.mesh_sections(&mut edit, at, &params.refine, false, None)?;
@@ -191,7 +234,9 @@ impl Exact {
             sides: &mut self.sides,
             rim: &mut self.rim,
         };
-        let remeshed = (self.remesher).remesh(&mut opened, params.remesh, width, may_merge);
+        let width = self.frames.section_width(trace);
+        let widths: Vec<f64> = parts.iter().map(|part| width.min(part.thickness)).collect();
+        let remeshed = (self.remesher).remesh(&mut opened, params.remesh, &widths, may.merge);
         report.flipped_edges = remeshed.flips;
         report.collapsed_vertices = remeshed.vertices;
         report.moved_volume += remeshed.volume;
@@ -214,11 +259,12 @@ impl Exact {
             return Err(CutError::PartialCut { triangle });
         }
         if remeshed.nodes > 0 && groups.is_some_and(|groups| groups != self.cap.groups()) {
-            return Ok(false);
+            return Ok(Split::Regrouped);
         }
         report.cap = begin.elapsed();
         let begin = Instant::now();
-        let joined: Vec<(usize, usize)> = self.cap.joined().collect();
+        let mut joined: Vec<(usize, usize)> = self.cap.joined().collect();
+        joined.extend(self.joined_at_pinches());
         if search.is_none_or(|search| search.joined.as_ref() != Some(&joined)) {
             separator.find_parts(edit.surface(), sweep, &self.seeds(), &joined);
         }
@@ -239,7 +285,7 @@ impl Exact {
         let begin = Instant::now();
         let (delta, undo) = edit.finish();
         let may_be_open = trace.curves.iter().any(|curve| !curve.is_capped);
-        if at.may_share_walls
+        if (at.may_share_walls || !self.rim.pinches.is_empty())
             && let Some(vertex) = verify::find_defect(surface, &delta, may_be_open)
         {
             undo.revert(surface).expect("the last edit can be undone");
@@ -249,16 +295,40 @@ impl Exact {
         outcome.undo = Some(undo);
         outcome.cap = self.cap.triangles.concat();
         report.commit = begin.elapsed();
-        Ok(true)
+        Ok(Split::Done)
     }
 
-    /// Returns a triangle on each side of each curve.
+    /// Returns a triangle on each side of each curve, then one beside each edge at a pinch.
     ///
     /// Side 0 of a curve has an even number, side 1 the next.
     fn seeds(&self) -> Vec<TriangleId> {
         let nodes = self.rim.first.iter();
         let sides = nodes.flat_map(|&node| self.sides.rim[node as usize].map(HalfEdge::triangle));
-        sides.collect()
+        let pinched = self.pinched_edges();
+        let pinched = pinched.map(|(node, side)| self.sides.rim[node as usize][side].triangle());
+        sides.chain(pinched).collect()
+    }
+
+    /// Iterates over the rim edges at pinches, by their first nodes, and the sides.
+    fn pinched_edges(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
+        let pinches = self.rim.pinches.iter();
+        pinches.flat_map(|&(nodes, side)| {
+            let edges = nodes.map(|n| [n, self.rim.prev[n as usize]]);
+            edges.into_iter().flatten().map(move |node| (node, side))
+        })
+    }
+
+    /// Returns pairs of numbers of seeds in one part of the surface: those at a pinch, which only
+    /// the cap connects, and those of their curve.
+    fn joined_at_pinches(&self) -> Vec<(usize, usize)> {
+        let first = 2 * self.rim.first.len();
+        let edges = self.pinched_edges().enumerate();
+        edges
+            .map(|(i, (node, side))| {
+                let curve = self.rim.curve_of[node as usize] as usize;
+                (2 * curve + side, first + i)
+            })
+            .collect()
     }
 
     /// Meshes the sections of the opened surface, which get new points if `is_refined`.
@@ -311,7 +381,7 @@ impl Exact {
             && !trace.curves.iter().any(|curve| trace.has_end(curve))
         {
             // Caps without holes join nothing in one plane.
-            search.joined = Some(Vec::new());
+            search.joined = Some(self.joined_at_pinches());
         }
         let mut mesh = || (self.cap).triangulate(&rims, surface.topology(), refine, is_refined);
         let has_converged = match search {

@@ -11,11 +11,14 @@ pub(crate) mod trace;
 
 use crate::sweep::Sweep;
 use facets::Facets;
+use incise_mesh::Bvh;
 use trace::Trace;
 
 /// A sweep and its intersection curves with a surface.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Intersection<'a> {
+    /// Fits the surface before the cut.
+    pub(crate) bvh: &'a Bvh,
     pub(crate) sweep: &'a Sweep,
     pub(crate) facets: &'a Facets,
     pub(crate) trace: &'a Trace,
@@ -25,4 +28,6 @@ pub(crate) struct Intersection<'a> {
     pub(crate) may_share_walls: bool,
     /// Whether two threads share the work.
     pub(crate) is_shared: bool,
+    /// Whether the cut ends without a change where the section has necks without width.
+    pub(crate) stops_at_necks: bool,
 }

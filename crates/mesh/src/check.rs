@@ -3,7 +3,8 @@
 //! [`check`] measures a mesh as read. [`MeshData::into_surface`] repairs whatever has a unique
 //! repair and rejects the rest. [`MeshData::into_open_surface`] also accepts boundaries.
 //!
-//! - Removed: triangles with coincident corners, duplicate triangles.
+//! - Removed: triangles with coincident corners, duplicate triangles;
+//!   closed components without volume, if the mesh has boundaries.
 //! - Flipped: triangles against the majority of their component, and all if the volume is negative.
 //! - Split: vertices at which parts touch in a point.
 //! - Kept separate: bodies that touch along edges or faces but have separate indices in the file,

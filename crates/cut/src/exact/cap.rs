@@ -163,6 +163,7 @@ impl Cap {
     }
 
     /// Closes both sides with the meshes of the sections. Caps belong to the pieces of their sides.
+    /// Where a curve has two edges, each is the twin of the other.
     ///
     /// # Errors
     /// [`CutError::NotManifold`] if a cap would have a vertex twice.
@@ -213,6 +214,12 @@ impl Cap {
             }
         }
         self.meshes = meshes;
+        for &[a, b] in self.section.flat_curves() {
+            for side in 0..2 {
+                let [first, second] = [a, b].map(|node| rims.sides.rim[node as usize][side]);
+                edit.set_twins(first, second);
+            }
+        }
         for triangles in &self.triangles {
             edit.inherit_corner_channels(triangles);
         }

@@ -1,10 +1,10 @@
 //! Edge contraction beside the rim, shared by snapping and remeshing.
 
 use super::open::Sides;
-use super::rim::Rim;
+use super::rim::{NO_NODE, Rim};
 use crate::intersection::node::{Node, On};
 use incise_mesh::geometry::area_vector;
-use incise_mesh::{CornerValues, Edit, HalfEdge, Surface, Topology, Vec3};
+use incise_mesh::{CornerValues, Edit, HalfEdge, Surface, Topology, Vec3, VertexId};
 
 /// Rounding error of a stored coordinate [of the coordinate].
 const ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
@@ -71,27 +71,45 @@ impl Opened<'_, '_> {
         !matches!(self.nodes[node as usize].on, On::Edge { .. })
     }
 
-    /// Returns whether the loop stays valid without the rim edge that begins at `node`.
+    /// Returns whether a curve ends inside the surface at a node or at one beside it.
     ///
-    /// A loop keeps three edges, and a side keeps two triangles. Nothing changes near ends, and
-    /// there is no edge before the first node of an open curve.
+    /// The next step of an incision goes on from there, so such nodes stay as they are.
+    pub(super) fn is_near_end(&self, node: u32) -> bool {
+        let [prev, next] = [&self.rim.prev, &self.rim.next].map(|list| list[node as usize]);
+        [prev, node, next]
+            .into_iter()
+            .any(|node| node != NO_NODE && self.rim.is_end(node) && !self.is_at_border(node))
+    }
+
+    /// Returns whether a curve begins or ends at a node on the boundary of the sheet.
+    pub(super) fn is_at_border(&self, node: u32) -> bool {
+        self.rim.is_end(node) && !self.nodes[node as usize].is_end && !self.is_on_sweep_edge(node)
+    }
+
+    /// Returns whether the curve stays valid without the rim edge that begins at `node`.
+    ///
+    /// A loop keeps three edges, a curve across a sheet one, and a side keeps two triangles.
+    /// Nothing changes near ends inside the surface.
     pub(super) fn may_lose_edge(&self, node: u32) -> bool {
         let Some(&next) = self.rim.next.get(node as usize) else {
             return false;
         };
-        if self.rim.is_near_end(node) || self.rim.is_near_end(next) {
+        if next == NO_NODE || self.is_near_end(node) || self.is_near_end(next) {
             return false;
         }
-        let (before, after) = (self.rim.prev[node as usize], self.rim.next[next as usize]);
-        let ring = [before, node, next, after];
+        let is_closed = self.rim.is_closed(node);
         let size = self.rim.sizes[self.rim.curve_of[node as usize] as usize];
         let topology = self.edit.surface().topology();
         let is_alone = |side: usize| {
             let along = self.sides.rim[node as usize][side];
             [along.next(), along.prev()].map(|h| topology.twin(h)) == [HalfEdge::NULL; 2]
         };
-        let may = |side| !is_alone(side) && (size > 4 || !self.is_a_pair(ring, side));
-        size >= 4 && (0..2).all(may)
+        let is_a_pair = |side: usize| {
+            let (before, after) = (self.rim.prev[node as usize], self.rim.next[next as usize]);
+            size <= 4 && is_closed && self.is_a_pair([before, node, next, after], side)
+        };
+        let may = |side| !is_alone(side) && !is_a_pair(side);
+        size >= if is_closed { 4 } else { 3 } && (0..2).all(may)
     }
 
     /// Returns whether two triangles are all of a side with these four nodes.
@@ -129,25 +147,11 @@ impl Opened<'_, '_> {
         let next = self.rim.next[node as usize];
         let topology = self.edit.surface().topology();
         let along = self.sides.rim[node as usize][side];
-        let ahead = topology.twin(along.next());
-        let behind = topology.twin(along.prev());
         let target = self.sides.vertices[kept as usize][side];
         fan.clear();
         fan.extend(self.rim.fan(topology, self.sides, gone, side));
-        // The corners of the removed triangle at the removed and at the kept node.
         let origin_goes = (gone == next) == (side == 0);
-        let chart = if origin_goes {
-            Chart::new(self.edit.surface(), along, along.next())
-        } else {
-            Chart::new(self.edit.surface(), along.next(), along)
-        };
-        for &h in &*fan {
-            if h.triangle() != along.triangle() {
-                self.edit.set_corner(h, target);
-                chart.update(self.edit, h);
-            }
-        }
-        self.edit.remove_triangle(along.triangle());
+        let [ahead, behind] = self.contract_boundary_edge(along, origin_goes, target, fan);
         // On side 0 the rim runs against the order of nodes.
         let prev = self.rim.prev[node as usize];
         let (before, after) = if side == 0 {
@@ -156,12 +160,75 @@ impl Opened<'_, '_> {
             (prev, next)
         };
         if ahead.is_null() {
-            self.sides.rim[after as usize][side] = behind;
+            self.set_rim(after, side, behind);
         } else if behind.is_null() {
-            self.sides.rim[before as usize][side] = ahead;
+            self.set_rim(before, side, ahead);
+        }
+    }
+
+    /// Sets the half-edge along the rim edge that begins at `node`, if there is one.
+    fn set_rim(&mut self, node: u32, side: usize, h: HalfEdge) {
+        if node != NO_NODE && self.rim.next[node as usize] != NO_NODE {
+            self.sides.rim[node as usize][side] = h;
+        }
+    }
+
+    /// Contracts the edge of a sheet's boundary from `node`, an end of a curve, onto the node.
+    ///
+    /// `along` is the half-edge of that edge. `fan` has all half-edges of the removed vertex.
+    pub(super) fn contract_border(
+        &mut self,
+        node: u32,
+        side: usize,
+        along: HalfEdge,
+        fan: &[HalfEdge],
+    ) {
+        let target = self.sides.vertices[node as usize][side];
+        let origin_goes = self.edit.surface().topology().origin(along) != target;
+        let [ahead, behind] = self.contract_boundary_edge(along, origin_goes, target, fan);
+        // The triangle's other edge at the node may be that of the rim.
+        let [own, other] = if origin_goes {
+            [ahead, behind]
         } else {
+            [behind, ahead]
+        };
+        if own.is_null() {
+            let prev = self.rim.prev[node as usize];
+            self.set_rim(if prev == NO_NODE { node } else { prev }, side, other);
+        }
+    }
+
+    /// Contracts the edge of the boundary half-edge `along` onto `target`, one of its ends.
+    ///
+    /// `fan` has all half-edges of the other end. Returns the half-edges across the next and the
+    /// previous edge of the removed triangle.
+    fn contract_boundary_edge(
+        &mut self,
+        along: HalfEdge,
+        origin_goes: bool,
+        target: VertexId,
+        fan: &[HalfEdge],
+    ) -> [HalfEdge; 2] {
+        let topology = self.edit.surface().topology();
+        let across = [along.next(), along.prev()].map(|h| topology.twin(h));
+        // The corners of the removed triangle at the removed and at the kept vertex.
+        let chart = if origin_goes {
+            Chart::new(self.edit.surface(), along, along.next())
+        } else {
+            Chart::new(self.edit.surface(), along.next(), along)
+        };
+        for &h in fan {
+            if h.triangle() != along.triangle() {
+                self.edit.set_corner(h, target);
+                chart.update(self.edit, h);
+            }
+        }
+        self.edit.remove_triangle(along.triangle());
+        let [ahead, behind] = across;
+        if !ahead.is_null() && !behind.is_null() {
             self.edit.set_twins(ahead, behind);
         }
+        across
     }
 }
 

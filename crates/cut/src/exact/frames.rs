@@ -5,7 +5,7 @@
 //! rotated about their common edges into one plane, which gives continuous texture coordinates.
 
 use crate::intersection::facets::Facets;
-use crate::intersection::trace::Trace;
+use crate::intersection::trace::{Curve, Trace};
 use incise_mesh::Vec3;
 
 /// Coordinates of all facets.
@@ -111,41 +111,60 @@ impl Frames {
         self.frames[facet as usize].normal
     }
 
-    /// Returns the area inside the capped curves without holes \[m^2\], and the radius of a disc
-    /// with the same ratio of area to circumference \[m\]; NaN if the section is a point.
+    /// Returns the point of the sweep at coordinates of the sweep laid flat \[m\], and the unit
+    /// normal there; none beside the sweep.
+    pub(super) fn unfold(&self, facets: &Facets, [x, y]: [f64; 2]) -> Option<(Vec3, Vec3)> {
+        (0..facets.len())
+            .filter(|&i| facets.exists(i))
+            .find_map(|i| {
+                let frame = &self.frames[i as usize];
+                let ([cos, sin], [x, y]) = (frame.rotation, minus([x, y], frame.shift));
+                let point = self.lift(i, [cos * x + sin * y, cos * y - sin * x]);
+                let is_inside = (0..3).all(|k| facets.outside(i, k, point) <= 0.0);
+                is_inside.then_some((point, frame.normal))
+            })
+    }
+
+    /// Iterates over the edges of a curve in the sweep laid flat \[m\].
     ///
-    /// Open curves are closed by the straight line between their ends. Sheets count as strips one
-    /// edge wide and limit no radius, unless a body is cut too.
-    pub(super) fn section_size(&self, trace: &Trace) -> (f64, f64) {
-        let (mut doubled, mut length) = (0.0, 0.0);
-        let is_sheet = !trace.curves.iter().any(|curve| curve.is_capped);
-        let own = trace
-            .curves
-            .iter()
-            .filter(|curve| curve.is_capped || is_sheet);
-        for curve in own {
-            let nodes = &trace.nodes[curve.nodes.start as usize..curve.nodes.end as usize];
-            let outline = || {
-                nodes.iter().enumerate().map(|(i, node)| {
-                    // The curve ends in the facet that it was in.
-                    let facet = if node.is_end && i > 0 {
-                        nodes[i - 1].facet
-                    } else {
-                        node.facet
-                    };
-                    self.flat(facet, self.local(facet, node.position))
-                })
+    /// An open curve is closed by the straight line between its ends.
+    pub(super) fn flat_edges<'a>(
+        &'a self,
+        trace: &'a Trace,
+        curve: &Curve,
+    ) -> impl Iterator<Item = [[f64; 2]; 2]> + Clone + 'a {
+        let nodes = &trace.nodes[curve.nodes.start as usize..curve.nodes.end as usize];
+        let outline = nodes.iter().enumerate().map(move |(i, node)| {
+            // The curve ends in the facet that it was in.
+            let facet = if node.is_end && i > 0 {
+                nodes[i - 1].facet
+            } else {
+                node.facet
             };
-            for ([ax, ay], [bx, by]) in outline().zip(outline().cycle().skip(1)) {
+            self.flat(facet, self.local(facet, node.position))
+        });
+        let following = outline.clone().cycle().skip(1);
+        outline.zip(following).map(|(a, b)| [a, b])
+    }
+
+    /// Returns the radius of a disc with the same ratio of area to circumference as the section
+    /// inside the capped curves, without holes \[m\].
+    ///
+    /// NaN if the section is a point, infinite without capped curves.
+    pub(super) fn section_width(&self, trace: &Trace) -> f64 {
+        let (mut doubled, mut length) = (0.0, 0.0);
+        for curve in trace.curves.iter().filter(|curve| curve.is_capped) {
+            for [[ax, ay], [bx, by]] in self.flat_edges(trace, curve) {
                 doubled += ax * by - ay * bx;
                 length += (bx - ax).hypot(by - ay);
             }
         }
-        if is_sheet {
-            return (length * trace.mean_local(), f64::INFINITY);
+        let has_section = trace.curves.iter().any(|curve| curve.is_capped);
+        if has_section {
+            f64::abs(doubled) / length
+        } else {
+            f64::INFINITY
         }
-        let area = f64::abs(doubled) / 2.0;
-        (area, 2.0 * area / length)
     }
 }
 

@@ -90,12 +90,12 @@ impl Remesher {
     /// Remeshes around the rim of both sides.
     ///
     /// Moves the surface by at most `tolerance` of the local edge length or, where that is less, of
-    /// the section's `width` \[m\]. Without `may_merge` the rim stays as it is.
+    /// its curve's entry of `widths` \[m\]. Without `may_merge` the rim stays as it is.
     pub(super) fn remesh(
         &mut self,
         cut: &mut Opened<'_, '_>,
         tolerance: f64,
-        width: f64,
+        widths: &[f64],
         may_merge: bool,
     ) -> Remeshed {
         self.may_merge = may_merge;
@@ -103,7 +103,7 @@ impl Remesher {
         if tolerance <= 0.0 {
             return done;
         }
-        self.ring.find(cut, tolerance, width);
+        self.ring.find(cut, tolerance, widths);
         self.is_queued.clear();
         self.is_queued.resize(self.ring.len(), true);
         self.queue.clear();

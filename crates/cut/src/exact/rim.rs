@@ -19,6 +19,10 @@ pub(crate) struct Rim {
     pub(super) curve_of: Vec<u32>,
     /// The first node of each open curve, a remaining node of each closed one.
     pub(super) first: Vec<u32>,
+    /// Whether caps or walls close each curve.
+    is_capped: Vec<bool>,
+    /// Pairs of nodes that share a vertex on a side. Each has a part of its fan.
+    pub(super) pinches: Vec<([u32; 2], usize)>,
 }
 
 impl Rim {
@@ -32,6 +36,8 @@ impl Rim {
         self.is_removed.resize(count, false);
         self.sizes.clear();
         self.first.clear();
+        self.is_capped.clear();
+        self.pinches.clear();
         for (i, curve) in (0..).zip(&trace.curves) {
             let Range { start, end } = curve.nodes;
             for node in start..end {
@@ -44,20 +50,31 @@ impl Rim {
             }
             self.sizes.push(end - start);
             self.first.push(start);
+            self.is_capped.push(curve.is_capped);
         }
     }
 
+    /// Returns whether an open curve ends at a node.
+    pub(super) fn is_end(&self, node: u32) -> bool {
+        self.prev[node as usize] == NO_NODE || self.next[node as usize] == NO_NODE
+    }
+
+    /// Returns whether the curve of a node is closed.
+    pub(super) fn is_closed(&self, node: u32) -> bool {
+        !self.is_end(self.first[self.curve_of[node as usize] as usize])
+    }
+
+    /// Returns whether caps or walls close the curve of a node.
+    pub(super) fn is_capped(&self, node: u32) -> bool {
+        self.is_capped[self.curve_of[node as usize] as usize]
+    }
+
     /// Returns whether an open curve ends at a node or at one beside it.
-    ///
-    /// Such nodes stay as they are.
     pub(super) fn is_near_end(&self, node: u32) -> bool {
         let [prev, next] = [&self.prev, &self.next].map(|list| list[node as usize]);
-        let is_end = |node: u32| {
-            node == NO_NODE
-                || self.prev[node as usize] == NO_NODE
-                || self.next[node as usize] == NO_NODE
-        };
-        is_end(prev) || is_end(next)
+        [prev, node, next]
+            .into_iter()
+            .any(|node| node == NO_NODE || self.is_end(node))
     }
 
     /// Removes a node from its curve, not an end.

@@ -11,7 +11,7 @@ use crate::error::CutError;
 use crate::intersection::facets::{Facets, NO_FACET};
 use crate::intersection::node::Node;
 use crate::intersection::trace::Curve;
-use incise_mesh::{Topology, index_u32};
+use incise_mesh::{Topology, VertexId, index_u32};
 use incise_refine::{
     RefineError, RefineParams, Section, SectionMesh, SectionMeshParams, SectionMeshScratch,
     SectionMeshSize, triangulate_section,
@@ -77,6 +77,8 @@ pub(super) struct CrossSection {
     /// Sections by facet; those beyond the count keep their memory.
     sections: Vec<FacetSection>,
     count: usize,
+    /// The nodes of the curves with two nodes, around parts of two triangles back to back.
+    flat_curves: Vec<[u32; 2]>,
     stretches: Vec<Stretch>,
     /// Nodes and edges of the current loop.
     outline: Vec<(u32, BoundaryEdge)>,
@@ -114,6 +116,7 @@ impl CrossSection {
     /// [`CutError::OpenSection`] if parts of boundaries do not close.
     pub(super) fn project(&mut self, rims: &Rims<'_>, lengths: &[f64]) -> Result<(), CutError> {
         self.count = 0;
+        self.flat_curves.clear();
         self.stretches.clear();
         let capped = (0..rims.rim.sizes.len()).filter(|&curve| rims.curves[curve].is_capped);
         for curve in capped {
@@ -159,6 +162,10 @@ impl CrossSection {
             let ring = rims.rim.ring(curve);
             self.outline
                 .extend(ring.map(|node| (node, BoundaryEdge::Rim(node))));
+            if let [(a, _), (b, _)] = self.outline[..] {
+                self.flat_curves.push([a, b]);
+                return;
+            }
             let facet = rims.nodes[self.outline[0].0 as usize].facet;
             self.add_loop(rims, lengths, facet);
             return;
@@ -272,6 +279,11 @@ impl CrossSection {
         &self.sections[..self.count]
     }
 
+    /// Returns the nodes of each curve with two nodes. Its section is an edge, followed twice.
+    pub(super) fn flat_curves(&self) -> &[[u32; 2]] {
+        &self.flat_curves
+    }
+
     /// Returns whether a loop is the boundary of a hole.
     pub(super) fn has_holes(&self) -> bool {
         let mut sections = self.sections().iter();
@@ -382,13 +394,17 @@ impl Rims<'_> {
     fn may_have_edge(&self, topology: &Topology, section: &FacetSection, a: u32, b: u32) -> bool {
         let [from, to] = [a, b].map(|p| section.nodes[p as usize]);
         let [own, other] = [from, to].map(|node| self.sides.vertices[node as usize]);
+        let is_beside = |node: u32, others: [VertexId; 2]| {
+            node < index_u32(self.nodes.len())
+                && self.rim.is_beside(topology, self.sides, node, others)
+        };
         if own[0] == own[1] && other[0] == other[1] {
             return true;
         }
         if self.chains.are_on_one_edge(from, to) {
             return true;
         }
-        from < index_u32(self.nodes.len()) && self.rim.is_beside(topology, self.sides, from, other)
+        is_beside(from, other) || (!self.rim.pinches.is_empty() && is_beside(to, own))
     }
 }
 

@@ -8,14 +8,18 @@
 //! - two nodes that are close to each other merge, on both sides.
 //!
 //! Neither inverts a triangle or moves more volume than [`MAX_MOVED_VOLUME`]; all of them together
-//! move no more than [`MAX_TOTAL_VOLUME`]. So a corner of a coarse body stays in place and leaves a
-//! short rim edge, which the report counts.
+//! move no more than [`MAX_TOTAL_VOLUME`]. A curve that ends at the boundary of a sheet keeps its
+//! ends, which take vertices of the boundary. So a corner of a coarse body stays in place and
+//! leaves a short rim edge, which the report counts.
 //!
 //! Where a sweep ends inside the body, the next step goes on. So neither changes a triangle at the
-//! end of a curve or moves one across the sweep's boundary.
+//! end of such a curve or moves one across the sweep's boundary.
+
+mod border;
 
 use super::contract::{Opened, closed_fan, flatness, swept_volume};
 use super::rim::NO_NODE;
+use super::volumes::SmallerPart;
 use crate::intersection::facets::Facets;
 use crate::intersection::node::On;
 use incise_mesh::geometry::area_vector;
@@ -24,11 +28,10 @@ use incise_mesh::{HalfEdge, Surface, Topology, Vec3, VertexId, index_u32};
 /// Maximum volume that one contraction moves [cubes of the local edge length].
 const MAX_MOVED_VOLUME: f64 = 5e-3;
 
-/// Maximum volume that all contractions of a cut move [section area times mean local edge length,
-/// or times the section's width if that is less].
+/// Maximum volume that all contractions at a curve move [volume of the smaller part].
 ///
-/// A small part even of a body that is one edge thick.
-pub(super) const MAX_TOTAL_VOLUME: f64 = 1e-3;
+/// The part is known only after the cut; [`SmallerPart::volume`] is a lower bound.
+const MAX_TOTAL_VOLUME: f64 = 1e-3;
 
 /// Counters of snapping.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -44,8 +47,8 @@ pub(super) struct Snapped {
 /// Scratch memory of snapping.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Snapper {
-    /// Volume that may still be moved \[m^3\].
-    volume_left: f64,
+    /// By curve, volume that may still be moved \[m^3\].
+    volumes_left: Vec<f64>,
     boundary: Boundary,
     near: Vec<VertexId>,
     far: Vec<VertexId>,
@@ -88,19 +91,20 @@ impl Boundary {
 impl Snapper {
     /// Contracts edges shorter than `snap` times the local edge length.
     ///
-    /// Moves a volume of at most `max_volume` \[m^3\].
+    /// `parts` has the smaller part of each curve.
     pub(super) fn snap(
         &mut self,
         cut: &mut Opened<'_, '_>,
         facets: &Facets,
         snap: f64,
-        max_volume: f64,
+        parts: &[SmallerPart],
     ) -> Snapped {
-        self.volume_left = max_volume;
         let mut done = Snapped::default();
         if snap <= 0.0 {
             return done;
         }
+        self.volumes_left.clear();
+        (self.volumes_left).extend(parts.iter().map(|part| MAX_TOTAL_VOLUME * part.volume));
         self.boundary.read(cut, facets);
         let count = index_u32(cut.nodes.len());
         for node in 0..count {
@@ -131,7 +135,8 @@ impl Snapper {
     /// Returns the maximum volume that a contraction at `node` may move now.
     fn limit(&self, cut: &Opened<'_, '_>, node: u32) -> f64 {
         let local = cut.nodes[node as usize].local;
-        self.volume_left.min(MAX_MOVED_VOLUME * local.powi(3))
+        let left = self.volumes_left[cut.rim.curve_of[node as usize] as usize];
+        left.min(MAX_MOVED_VOLUME * local.powi(3))
     }
 
     fn is_short(cut: &Opened<'_, '_>, node: u32, snap: f64) -> bool {
@@ -155,7 +160,7 @@ impl Snapper {
         let On::Edge { ends, t, rises, .. } = cut.nodes[node as usize].on else {
             return;
         };
-        if cut.rim.is_near_end(node) {
+        if cut.is_near_end(node) {
             return;
         }
         let t = f64::from(t);
@@ -166,6 +171,10 @@ impl Snapper {
         } else {
             return;
         };
+        if cut.is_at_border(node) {
+            self.take_border_vertex(cut, facets, (node, side), vertex, done);
+            return;
+        }
         let topology = cut.edit.surface().topology();
         let mut fan = cut.rim.fan(topology, cut.sides, node, side);
         let Some(to_vertex) = fan.find(|&h| topology.target(h) == vertex) else {
@@ -177,8 +186,9 @@ impl Snapper {
         if !closed_fan(topology, start, &mut self.fan) {
             return;
         }
-        // The last vertex off the rim stays: without it a tip would be flat.
-        if (self.fan.iter()).all(|&h| is_at_boundary(topology, topology.twin(h))) {
+        // The last vertex off the rim stays: without it a tip would be flat, as sheets are anyway.
+        let is_at_boundary = |&h: &HalfEdge| is_at_boundary(topology, topology.twin(h));
+        if cut.rim.is_capped(node) && self.fan.iter().all(is_at_boundary) {
             return;
         }
         self.near.clear();
@@ -196,13 +206,14 @@ impl Snapper {
         };
         cut.contract(Some((node, side)), to_vertex, &self.fan);
         done.vertices += 1;
-        self.count_volume(volume, done);
+        self.count_volume(cut, node, volume, done);
     }
 
-    /// Adds a moved volume to the counters.
-    fn count_volume(&mut self, volume: f64, done: &mut Snapped) {
+    /// Adds a volume that a contraction at `node` moved to the counters.
+    fn count_volume(&mut self, cut: &Opened<'_, '_>, node: u32, volume: f64, done: &mut Snapped) {
         done.volume += volume;
-        self.volume_left = (self.volume_left - volume).max(0.0);
+        let left = &mut self.volumes_left[cut.rim.curve_of[node as usize] as usize];
+        *left = (*left - volume).max(0.0);
     }
 
     fn common_neighbors(&self) -> usize {
@@ -222,9 +233,13 @@ impl Snapper {
             return false;
         }
         let (before, after) = (cut.rim.prev[node as usize], cut.rim.next[next as usize]);
-        let at = |n: u32| cut.nodes[n as usize].position;
-        // The one with less room on its other side goes; what lies on the crease stays.
-        let next_goes = (at(after) - at(next)).norm() <= (at(node) - at(before)).norm();
+        let room = |node: u32, beyond: u32| match cut.nodes.get(beyond as usize) {
+            Some(beyond) => (beyond.position - cut.nodes[node as usize].position).norm(),
+            None => 0.0,
+        };
+        // The one with less room on its other side goes; what lies on the crease stays, and so does
+        // an end of the curve.
+        let next_goes = room(next, after) <= room(node, before);
         let orders = if next_goes {
             [true, false]
         } else {
@@ -236,7 +251,7 @@ impl Snapper {
             } else {
                 (next, node)
             };
-            if cut.is_on_sweep_edge(gone) {
+            if cut.is_on_sweep_edge(gone) || cut.rim.is_end(gone) {
                 continue;
             }
             let mut volume = 0.0;
@@ -248,7 +263,7 @@ impl Snapper {
             if may {
                 cut.merge_nodes(node, kept, &mut self.fan);
                 done.nodes += 1;
-                self.count_volume(volume, done);
+                self.count_volume(cut, node, volume, done);
                 return true;
             }
         }

@@ -7,7 +7,7 @@ use crate::intersection::facets::Facets;
 use crate::intersection::node::{Node, On};
 use crate::intersection::trace::Chord;
 use incise_mesh::geometry::area_vector;
-use incise_mesh::{HalfEdge, Vec3, VertexId};
+use incise_mesh::{HalfEdge, TriangleId, Vec3, VertexId};
 use robust::{Coord, orient2d};
 use slit::join_slit;
 use smallvec::SmallVec;
@@ -49,6 +49,14 @@ pub(super) struct Hit<'a> {
     pub(super) beyond: [HalfEdge; 3],
     /// The chords that cross it.
     pub(super) chords: &'a [Chord],
+}
+
+impl Hit<'_> {
+    /// Returns the neighbor if all three edges have the same one, back to back with the triangle.
+    fn only_neighbor(&self) -> Option<TriangleId> {
+        let [a, b, c] = self.beyond.map(HalfEdge::triangle);
+        (!self.beyond[0].is_null() && a == b && b == c).then_some(a)
+    }
 }
 
 /// The parts of one hit triangle, with scratch memory.

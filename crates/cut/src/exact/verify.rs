@@ -21,7 +21,8 @@ pub(crate) fn has_walls(surface: &Surface) -> bool {
 /// Returns a vertex around which a changed surface is not a manifold, if there is one.
 ///
 /// Every half-edge must run against its twin. The new triangles of a vertex must be in one closed
-/// fan, or if `may_be_open` in open fans, with different neighbors. O(k log k) for k triangles.
+/// fan, or if `may_be_open` in open fans, with different neighbors. A fan of two triangles belongs
+/// to a part of two, back to back. O(k log k) for k triangles.
 pub(super) fn find_defect(
     surface: &Surface,
     delta: &TopologyDelta,
@@ -75,7 +76,7 @@ pub(super) fn find_defect(
         neighbors.sort_unstable();
         neighbors.dedup();
         let is_simple = is_open || fans == 1;
-        !is_simple || neighbors.len() != count || count < 3 - usize::from(is_open)
+        !is_simple || neighbors.len() != count
     };
     corners
         .chunk_by(|a, b| a.0 == b.0)

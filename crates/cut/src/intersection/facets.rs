@@ -28,6 +28,8 @@ pub(crate) struct Facets {
     facets: Vec<Facet>,
     edges: Vec<SweepEdge>,
     tip: ContinuedTip,
+    /// Whether ties are broken by the opposite translation of the sweep, from the next read on.
+    pub(crate) reverses_ties: bool,
 }
 
 /// The tip of an incision that a sweep continues.
@@ -151,7 +153,7 @@ impl Facets {
             outward,
             exists: first.is_some(),
             // The plane moves along the normal, so its points end up below it.
-            tie_is_above: first.is_some_and(|sign| sign < 0.0),
+            tie_is_above: first.is_some_and(|sign| (sign < 0.0) != self.reverses_ties),
             bounds: [a.inf(&b).inf(&c), a.sup(&b).sup(&c)],
         });
     }

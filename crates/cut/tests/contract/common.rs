@@ -2,6 +2,7 @@
 
 use incise_cut::CutParams;
 use incise_mesh::Surface;
+use incise_mesh::geometry::to_f32;
 use std::collections::BTreeMap;
 
 /// Returns parameters with a snapping distance.
@@ -44,4 +45,36 @@ pub(crate) fn check_manifold(surface: &Surface) -> i64 {
         .count();
     let count = |n: usize| i64::try_from(n).unwrap();
     count(used) - count(edges.len()) + count(topology.triangle_count())
+}
+
+/// Returns the surface of a box of `counts` cells along each axis, two triangles a face.
+///
+/// `map` takes points of the unit cube to positions.
+pub(crate) fn lattice_box(counts: [u16; 3], map: impl Fn([f64; 3]) -> [f64; 3]) -> Surface {
+    let mut ids = BTreeMap::new();
+    let mut positions = Vec::new();
+    let mut triangles = Vec::new();
+    for axis in 0..3 {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        for (end, is_far) in [(0, false), (counts[axis], true)] {
+            for (i, j) in (0..counts[u]).flat_map(|i| (0..counts[v]).map(move |j| (i, j))) {
+                let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]].map(|[i, j]| {
+                    let mut cell = [end; 3];
+                    (cell[u], cell[v]) = (i, j);
+                    *ids.entry(cell).or_insert_with(|| {
+                        let part = [0, 1, 2].map(|k| f64::from(cell[k]) / f64::from(counts[k]));
+                        positions.push(to_f32(map(part).into()));
+                        u32::try_from(positions.len() - 1).unwrap()
+                    })
+                });
+                let [a, b, c, d] = corners;
+                triangles.extend(if is_far {
+                    [[a, b, c], [a, c, d]]
+                } else {
+                    [[a, c, b], [a, d, c]]
+                });
+            }
+        }
+    }
+    Surface::from_triangles(&positions, &triangles).unwrap()
 }

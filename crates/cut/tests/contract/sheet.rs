@@ -290,3 +290,68 @@ fn a_body_beside_a_sheet_keeps_its_caps() {
     assert_eq!(open.iter().filter(|&&is_open| is_open).count(), 2);
     assert_eq!(open.len(), 4);
 }
+
+/// Checks that a cut left neither an edge without length nor a triangle without area.
+fn check_sizes(surface: &Surface) {
+    for t in surface.topology().triangles() {
+        let [a, b, c] = surface.triangle_positions(t);
+        for (p, q) in [(a, b), (b, c), (c, a)] {
+            assert!(
+                (p - q).norm() > 1e-6,
+                "{t} has an edge without length at {p:?}"
+            );
+        }
+        assert!(
+            area_vector([a, b, c]).norm() > 1e-7,
+            "{t} has no area: {a:?} {b:?} {c:?}"
+        );
+    }
+}
+
+/// Planes along lines of the grid left six triangles without area.
+#[test]
+fn a_cut_along_a_line_of_the_grid_leaves_no_sliver() {
+    for [width, height] in [[4u8, 3u8], [7, 5], [2, 8]] {
+        for turn in [0.0, 0.3, std::f64::consts::FRAC_PI_4, 1.2, 2.0] {
+            let (sin, cos) = f64::sin_cos(turn);
+            let flat = sheet([1.0, 1.0], [u32::from(width), u32::from(height)]);
+            let mut whole = flat.clone();
+            let vertices: Vec<_> = flat.topology().vertices().collect();
+            for v in vertices {
+                let p = flat.position(v);
+                let at = [cos * p.x - sin * p.y, sin * p.x + cos * p.y, 0.0];
+                let [x, y, z] = incise_mesh::geometry::to_f32(at.into());
+                whole.positions_mut()[v.index()] = [x, y, z, 1.0];
+            }
+            for k in 1..width {
+                let d = f64::from(k) / f64::from(width) - 0.5;
+                for sign in [1.0, -1.0] {
+                    let normal = [sign * cos, sign * sin, 0.0];
+                    let sweep = Sweep::from_plane(normal, sign * d, &whole.bounds()).unwrap();
+                    let mut cut = whole.clone();
+                    let outcome = Cutter::new(&cut)
+                        .cut(&mut cut, &sweep, &params(0.1))
+                        .unwrap();
+                    assert_eq!((check_manifold(&cut), cut.piece_count()), (2, 2));
+                    check_sizes(&cut);
+                    // A turned line is crossed where its rounded vertices are on two sides.
+                    let triangles = [&cut, &whole].map(|s| s.topology().triangle_count());
+                    assert!(triangles[0] == triangles[1] || turn > 0.0, "{turn} {d}");
+                    let mut areas = vec![0.0; cut.piece_bound() as usize];
+                    for t in cut.topology().triangles() {
+                        let own = area_vector(cut.triangle_positions(t)).norm() / 2.0;
+                        areas[cut.piece(t) as usize] += own;
+                    }
+                    areas.sort_unstable_by(f64::total_cmp);
+                    assert!(
+                        (areas[1] - (0.5 + d.abs())).abs() < 1e-5,
+                        "{areas:?} at {d}"
+                    );
+                    let undo = outcome.undo.unwrap();
+                    undo.revert(&mut cut).unwrap();
+                    assert_eq!(cut, whole, "the undo restores every bit");
+                }
+            }
+        }
+    }
+}

@@ -55,7 +55,7 @@ impl MeshData {
     /// Converts a mesh that may have boundaries, like [`Self::into_surface`].
     ///
     /// Vertices at which holes touch stay whole, because filling the holes makes them manifold.
-    /// Components may enclose no volume. A mesh without boundaries is treated as by
+    /// Closed components without volume are removed. A mesh without boundaries is treated as by
     /// [`Self::into_surface`].
     ///
     /// # Errors
@@ -77,7 +77,7 @@ impl MeshData {
     ///   exact predicates and paired so that each pair encloses material.
     /// - Sheets that end at other triangles, and walls within a closed surface, are detached. They
     ///   have a boundary there, and closed surfaces stay closed.
-    /// - Closed components without volume are removed if others remain, and none has a boundary.
+    /// - Closed components without volume are removed if others remain.
     /// - If closed components remain, a negative sum of their volumes flips the whole mesh.
     ///
     /// Each repair is a [`Warning`]. The result depends on the data alone. A mesh that needs no
@@ -253,8 +253,10 @@ impl Repaired {
         let is_open = out.defects.len() < all;
         if out.defects.is_empty() {
             out.split_vertices(&links, is_open);
-            if !is_open || params.separate_sheets {
-                out.check_volumes(data, is_open, separate);
+            let remove_flat = is_open || params.separate_sheets;
+            let volume = out.check_volumes(data, is_open, remove_flat);
+            if volume < 0.0 && (!is_open || params.separate_sheets) {
+                out.invert();
             }
             out.remove_unused_vertices();
         }

@@ -71,11 +71,15 @@ impl Repaired {
         }
     }
 
-    /// Finds components without volume, and flips everything if the total volume is negative.
+    /// Finds closed components without volume, and returns the volume of all closed ones \[m^3\].
     ///
-    /// Components with boundaries do not count. Beside them a component may be flat. If
-    /// `remove_flat` is set, flat components beside others are removed.
-    pub(super) fn check_volumes(&mut self, data: &MeshData, is_open: bool, remove_flat: bool) {
+    /// If `remove_flat` is set, components without volume beside others are removed.
+    pub(super) fn check_volumes(
+        &mut self,
+        data: &MeshData,
+        is_open: bool,
+        remove_flat: bool,
+    ) -> f64 {
         #[derive(Clone, Copy, Default)]
         struct Component {
             volume: f64,
@@ -104,7 +108,8 @@ impl Repaired {
                 components[parts.find(key.vertices()[0].0) as usize].is_open = true;
             }
         }
-        let is_flat = |c: &Component| c.volume.abs() <= FLAT * c.area * c.bounds.diagonal();
+        let is_flat =
+            |c: &Component| !c.is_open && c.volume.abs() <= FLAT * c.area * c.bounds.diagonal();
         let mut flat = Tally::default();
         let mut is_reported = vec![false; components.len()];
         let mut is_kept = Vec::with_capacity(self.triangles.len());
@@ -115,7 +120,7 @@ impl Repaired {
                 flat.note(is_flat(&components[root]), source);
             }
         }
-        if let Some((triangle, count)) = flat.found().filter(|_| !is_open) {
+        if let Some((triangle, count)) = flat.found() {
             if remove_flat && is_kept.contains(&true) {
                 self.retain_triangles(&is_kept);
                 self.twins.clear();
@@ -126,13 +131,16 @@ impl Repaired {
             }
         }
         let closed = components.iter().filter(|c| !c.is_open);
-        if closed.map(|c| c.volume).sum::<f64>() < 0.0 {
-            self.twins.clear();
-            for (t, flipped) in self.triangles.iter_mut().zip(&mut self.flipped) {
-                t.swap(1, 2);
-                *flipped = !*flipped;
-            }
-            self.warnings.push(Warning::Inverted);
+        closed.map(|c| c.volume).sum()
+    }
+
+    /// Flips all triangles.
+    pub(super) fn invert(&mut self) {
+        self.twins.clear();
+        for (t, flipped) in self.triangles.iter_mut().zip(&mut self.flipped) {
+            t.swap(1, 2);
+            *flipped = !*flipped;
         }
+        self.warnings.push(Warning::Inverted);
     }
 }

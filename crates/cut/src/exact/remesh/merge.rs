@@ -11,6 +11,7 @@ impl Remesher {
         let around = &mut self.stars[star];
         let mut sides = (0..2).zip(&mut *around);
         if cut.is_on_sweep_edge(node)
+            || cut.rim.is_near_end(node)
             || !sides.all(|(side, around)| around.find_at_node(cut, &self.ring, node, side))
         {
             return;

@@ -49,14 +49,14 @@ impl Ring {
     /// Finds the ring of both sides.
     ///
     /// The limit of a triangle is `tolerance` times the local edge length at its nodes, or times
-    /// the section's `width` \[m\] if that is less.
-    pub(super) fn find(&mut self, cut: &Opened<'_, '_>, tolerance: f64, width: f64) {
+    /// the entry of `widths` for their curve \[m\] if that is less.
+    pub(super) fn find(&mut self, cut: &Opened<'_, '_>, tolerance: f64, widths: &[f64]) {
         let topology = cut.edit.surface().topology();
         self.found.clear(topology.triangle_slots());
         self.rim.clear(topology.vertex_slots());
         self.members.clear();
         self.places.clear();
-        for i in 0..cut.rim.sizes.len() {
+        for (i, &width) in widths.iter().enumerate() {
             for node in cut.rim.ring(i) {
                 let limit = tolerance * cut.nodes[node as usize].local.min(width);
                 for side in 0..2 {

@@ -87,7 +87,7 @@ fn with_all_in_the_ring(
         rim: &mut rim,
     };
     let mut remesher = Remesher::default();
-    remesher.ring.find(&cut, 0.1, 1.0);
+    remesher.ring.find(&cut, 0.1, &[]);
     for t in triangles {
         remesher.ring.add(t, f64::INFINITY);
     }

@@ -28,7 +28,16 @@ impl Splitter {
             (None, _) if count == 4 => {
                 let first = is_joinable(polygon, &hit.vertices, nodes, 0, 2);
                 let second = is_joinable(polygon, &hit.vertices, nodes, 1, 3);
-                if first && (!second || is_delaunay([0, 1, 2, 3].map(at))) {
+                let is_first_better = || match hit.only_neighbor() {
+                    Some(other) => {
+                        // One triangle takes the diagonal at the first corner, the other the other
+                        // one: else it would be an edge of four triangles.
+                        let first = (0..4).min_by_key(|&i| order(polygon[i].corner, &hit));
+                        (first.is_some_and(|i| i % 2 == 0)) == (hit.chords[0].triangle < other)
+                    }
+                    None => is_delaunay([0, 1, 2, 3].map(at)),
+                };
+                if first && (!second || is_first_better()) {
                     self.ears.extend([[0, 1, 2], [2, 3, 0]]);
                 } else {
                     self.ears.extend([[1, 2, 3], [3, 0, 1]]);
@@ -121,6 +130,14 @@ impl Splitter {
                 edges: [0, 1, 2].map(role),
             });
         }
+    }
+}
+
+/// Returns a key of a corner that is the same in two triangles back to back.
+fn order(corner: Corner, hit: &Hit<'_>) -> (bool, u32) {
+    match corner {
+        Corner::Old(k) => (false, hit.vertices[k].0),
+        Corner::Node { node, .. } => (true, node),
     }
 }
 

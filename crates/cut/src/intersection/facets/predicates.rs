@@ -39,7 +39,7 @@ impl Facets {
         let is_above = |corner: u32| {
             let [p, q, r] = [p, q, r].map(coord);
             let sign = orient3d(p, q, r, coord(self.corner(corner)));
-            sign < 0.0 || (sign == 0.0 && tie > 0.0)
+            sign < 0.0 || (sign == 0.0 && tie * self.direction() > 0.0)
         };
         if is_above(a) == is_above(b) {
             return false;
@@ -54,7 +54,7 @@ impl Facets {
     /// that turned over, the later one counts as above the other.
     pub(crate) fn compare_on_mesh_edge(&self, [p, q]: [Vec3; 2], i: u32, j: u32) -> Ordering {
         let planes = [i, j].map(|i| Plane(self.corners_of(i)));
-        compare_along([p, q], [&planes[0], &planes[1]], 1.0).then_with(|| {
+        compare_along([p, q], [&planes[0], &planes[1]], self.direction()).then_with(|| {
             if self.is_above(i.min(j), q) {
                 i.cmp(&j)
             } else {
@@ -68,7 +68,7 @@ impl Facets {
     /// Equal only for triangles in one plane.
     pub(crate) fn compare_on_sweep_edge(&self, edge: u32, a: [Vec3; 3], b: [Vec3; 3]) -> Ordering {
         // That the sweep moves by d is the same as that the triangles move by -d.
-        compare_along(self.ends(edge), [&Plane(a), &Plane(b)], -1.0)
+        compare_along(self.ends(edge), [&Plane(a), &Plane(b)], -self.direction())
     }
 
     /// Returns whether the facets beside a crease rise above each other's planes.
@@ -91,7 +91,13 @@ impl Facets {
         }
         // Moving a and b by d changes it by d . ((p - q) x (a - b)).
         let components = [0, 1, 2].map(|k| cross_sign(&[(p, a), (q, b), (b, p), (a, q)], k));
-        components.into_iter().find(|&s| s != 0.0).unwrap_or(0.0)
+        let tie = components.into_iter().find(|&s| s != 0.0).unwrap_or(0.0);
+        tie * self.direction()
+    }
+
+    /// Returns the sign of the infinitesimal translation that breaks ties.
+    fn direction(&self) -> f64 {
+        if self.reverses_ties { -1.0 } else { 1.0 }
     }
 }
 

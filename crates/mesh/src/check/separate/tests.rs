@@ -177,6 +177,56 @@ fn components_without_volume_are_removed() {
     ));
 }
 
+/// A flat component stayed beside a part with a boundary, and its section had two points.
+#[test]
+fn components_without_volume_are_removed_beside_sheets() {
+    let is_flat_removed = |warnings: &[Warning]| {
+        has(warnings, |w| {
+            matches!(w, Warning::FlatComponentsRemoved { count: 1, .. })
+        })
+    };
+    // Four triangles at one edge, two of them back to back: a sheet of two remains.
+    let points = [
+        [-2.494_062, 1.064_186, 4.900_767],
+        [-2.494_062, 1.056_373, 4.853_892],
+        [-2.494_062, 1.111_061, 4.846_08],
+        [-2.455, 1.126_686, 4.885_142],
+        [-2.533_125, 1.126_686, 4.885_142],
+    ];
+    let fins = [[0, 3, 2], [0, 2, 1], [0, 1, 2], [0, 2, 4]];
+    let (surface, warnings) = repaired(MeshData::from_triangles(&points, &fins).unwrap());
+    assert_eq!(volumes(&surface), (vec![], 1));
+    assert_eq!(surface.topology().triangle_count(), 2);
+    assert!(is_flat_removed(&warnings), "{warnings:?}");
+    // Flat components of two and of four triangles, beside a sheet and beside a cube.
+    let pair = [[4.0, 0.0, 0.0], [5.0, 0.0, 0.0], [4.0, 1.0, 0.0]];
+    let square = [
+        [3.0, 0.0, 0.0],
+        [2.0, 0.0, 0.0],
+        [2.0, 1.0, 0.0],
+        [3.0, 1.0, 0.0],
+    ];
+    let sheet = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]];
+    for (others, expected) in [
+        (quads(&[sheet]), (vec![], 1)),
+        (quads(&cube([0, 0, 0])), (vec![1.0], 0)),
+    ] {
+        for (points, faces) in [
+            (&pair[..], &[[0, 1, 2], [0, 2, 1]][..]),
+            (&square, &[[0, 1, 2], [0, 2, 3], [1, 0, 3], [1, 3, 2]]),
+        ] {
+            let first = u32::try_from(others.positions.len()).unwrap();
+            let positions = [&others.positions[..], points].concat();
+            let faces: Vec<[u32; 3]> = faces.iter().map(|t| t.map(|v| v + first)).collect();
+            let triangles = [&others.triangles[..], &faces].concat();
+            let (surface, warnings) =
+                repaired(MeshData::from_triangles(&positions, &triangles).unwrap());
+            assert_eq!(volumes(&surface), expected);
+            assert!(is_flat_removed(&warnings), "{warnings:?}");
+        }
+    }
+}
+
 /// Returns a unit cube with a slit from the top to its middle. The two walls of the slit have the
 /// same positions, and share only the two vertices at its tip.
 fn slit_cube(at: f32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
