@@ -296,7 +296,7 @@ impl Incision {
         #[expect(clippy::cast_precision_loss, reason = "few points")]
         let last = (blade.len() - 1) as f64;
         let map = BladeMap::new(surface, &self.tip, &piercings, last, self.local);
-        let (tip, leads) = self.leads(surface, &map, blade);
+        let (tip, leads) = self.leads(surface, &map, blade, &piercings);
         let is_ahead = is_ahead(&leads);
         let is_outside = piercings.is_empty() && !is_inside(blade[0]);
         if !has_moved(&leads) && !is_outside {
@@ -388,6 +388,18 @@ impl Incision {
         let points = |of: fn(&Column) -> Vec3| -> Vec<[f32; 3]> {
             columns.iter().map(|column| to_f32(of(column))).collect()
         };
+            eprintln!("identity {}", map.is_identity());
+            for c in &columns {
+                eprintln!(
+                    "  s {:.5} {:?} {:?} {:.3?} -> {:.3?}",
+                    c.parameter,
+                    c.vertex,
+                    c.is_joined,
+                    c.previous.as_slice(),
+                    c.current.as_slice()
+                );
+            }
+        }
         let sweep = Sweep::strip(&points(|c| c.previous), &points(|c| c.current));
         let sweep = match sweep {
             Err(CutError::BladeDegenerate) => {

@@ -1,7 +1,9 @@
 //! How far the blade is ahead of each vertex of the tip.
 
-use super::line::{nearest, point_at};
+use super::columns::is_at_boundary;
+use super::line::{level_with, point_at};
 use super::map::BladeMap;
+use super::piercings::Piercing;
 use super::{Incision, MIN_STEP, TipPoint};
 use incise_mesh::{Surface, Vec3};
 
@@ -11,8 +13,8 @@ use incise_mesh::{Surface, Vec3};
 /// the rim.
 pub(super) const MIN_MOTION: f64 = 0.1;
 
-/// Minimum distance of neighbors along a tip [the blade's parameters].
-const MIN_SPACING: f64 = 1e-6;
+/// Minimum distance of the next places of neighbors along a tip [their distance].
+const MIN_SPACING: f64 = 0.1;
 
 /// Cosine of the largest angle between a motion that cuts and the way ahead from the tip.
 ///
@@ -58,9 +60,9 @@ pub(super) fn standing(leads: &[Lead], leaves: bool) -> Vec<bool> {
 }
 
 impl Incision {
-    /// Returns the motion from each vertex of the tip to the nearest point of a new pose.
+    /// Returns the motion from each vertex of the tip to its point of a new pose.
     ///
-    /// So a motion of the blade along its edge moves nothing but a corner of the tip, at which the
+    /// A motion of the blade along its edge moves nothing but a corner of the tip, at which the
     /// blade ends in the body.
     ///
     /// The first result is the tip with the parameters of these points.
@@ -69,9 +71,9 @@ impl Incision {
         surface: &Surface,
         map: &BladeMap,
         blade: &[[f32; 3]],
+        piercings: &[Piercing],
     ) -> (Vec<TipPoint>, Vec<Lead>) {
-        let line = map.line(blade);
-        let (tip, beyond) = self.slid(surface, map, &line);
+        let (tip, beyond) = self.slid(surface, map, blade, piercings);
         let lead = |i: usize| {
             let point = &tip[i];
             let target = map.at(point.parameter, point_at(blade, point.parameter));
@@ -91,50 +93,77 @@ impl Incision {
         (tip, leads)
     }
 
-    /// Returns the tip with the parameters of the nearest points of the blade, in order, and which
-    /// of its vertices are beyond an end of the blade.
+    /// Returns the tip with parameters that the blade's motion along its edge does not change, and
+    /// which of its vertices are beyond an end of the blade.
     ///
-    /// A corner of the tip keeps the parameter of the blade's end.
+    /// A vertex takes the point of the blade that is level with it along the blade's chord. A
+    /// corner of the tip, at an end of the blade in the body, keeps that of the end. The tip of a
+    /// sheet takes that of the nearest point at which the blade pierces the sheet.
     fn slid(
         &self,
         surface: &Surface,
         map: &BladeMap,
-        line: &[(f64, Vec3)],
+        blade: &[[f32; 3]],
+        piercings: &[Piercing],
     ) -> (Vec<TipPoint>, Vec<bool>) {
+        let line = map.line(blade);
         let last = line[line.len() - 1].0;
+        let chord = line[line.len() - 1].1 - line[0].1;
         let mut tip = self.tip.clone();
-        let mut beyond = Vec::with_capacity(tip.len());
+        let mut beyond = vec![false; tip.len()];
         let count = tip.len();
         for (i, point) in tip.iter_mut().enumerate() {
-            let found = nearest(line, map.vertex(surface, point.vertex));
+            let place = map.vertex(surface, point.vertex);
+            if is_at_boundary(surface, point.vertex) {
+                let kept = map.at(point.parameter, point_at(blade, point.parameter));
+                let distance = |p: &&Piercing| (map.piercing(p) - place).norm();
+                let nearest = piercings.iter();
+                let nearest = nearest.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+                let has_slid =
+                    |p: &&Piercing| (map.piercing(p) - kept).norm() > MIN_MOTION * self.local;
+                if let Some(nearest) = nearest.filter(has_slid) {
+                    point.parameter = nearest.parameter;
+                }
+                continue;
+            }
+            let (parameter, excess) = level_with(&line, place, point.parameter);
+            beyond[i] = excess > MIN_MOTION * self.local;
             let is_first = i == 0 && point.parameter <= 0.0;
             let is_corner = is_first || (i + 1 == count && point.parameter >= last);
-            beyond.push(found.is_some_and(|found| found.beyond > MIN_MOTION * self.local));
-            if let Some(found) = found.filter(|_| !is_corner) {
-                point.parameter = found.parameter;
+            if !is_corner {
+                point.parameter = parameter;
             }
         }
-        order(&mut tip, last);
+        let least = |i: usize| match i.checked_sub(1).map(|before| tip[before]) {
+            Some(before) if !before.meets_next => {
+                let ends = [before, tip[i]].map(|p| map.vertex(surface, p.vertex));
+                MIN_SPACING * (ends[1] - ends[0]).norm() * last / chord.norm()
+            }
+            _ => 0.0,
+        };
+        let least: Vec<f64> = (0..count).map(least).collect();
+        separate(&mut tip, &least, last);
         (tip, beyond)
     }
 }
 
-/// Separates the parameters of vertices of a tip that are out of order.
-fn order(tip: &mut [TipPoint], last: f64) {
-    let least = MIN_SPACING * last;
+/// Separates the parameters of vertices of a tip, given the least difference of each from the one
+/// before.
+///
+/// Where a tip runs across the blade, its vertices are level with one point.
+fn separate(tip: &mut [TipPoint], least: &[f64], last: f64) {
     for i in 1..tip.len() {
-        let (before, own) = (tip[i - 1], tip[i].parameter);
-        tip[i].parameter = if before.meets_next {
-            before.parameter
+        let before = tip[i - 1].parameter + least[i];
+        tip[i].parameter = if tip[i - 1].meets_next {
+            tip[i - 1].parameter
         } else {
-            own.max(before.parameter + least)
+            tip[i].parameter.max(before)
         };
     }
     let mut end = last;
     for i in (0..tip.len()).rev() {
         tip[i].parameter = tip[i].parameter.min(end);
-        let meets = i > 0 && tip[i - 1].meets_next;
-        end = tip[i].parameter - if meets { 0.0 } else { least };
+        end = tip[i].parameter - least[i];
     }
 }
 

@@ -17,64 +17,49 @@ pub(super) fn point_at(line: &[[f32; 3]], parameter: f64) -> Vec3 {
     a + (b - a) * part
 }
 
-/// The point of a polyline nearest to another.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Nearest {
-    pub(super) parameter: f64,
-    pub(super) point: Vec3,
-    /// Distance by which the other point is beyond the nearer end of the polyline \[m\].
-    pub(super) beyond: f64,
-}
-
-/// Returns the point nearest to `to` on a polyline of points with ascending parameters.
-pub(super) fn nearest(line: &[(f64, Vec3)], to: Vec3) -> Option<Nearest> {
-    let segments = line.windows(2).enumerate().map(|(i, ends)| {
-        let [(from, a), (until, b)] = [ends[0], ends[1]];
-        let along = b - a;
-        let part = along.dot(&(to - a)) / along.norm_squared();
-        let clamped = if part.is_nan() {
-            0.0
-        } else {
-            part.clamp(0.0, 1.0)
-        };
-        let is_end = if clamped == 0.0 {
-            i == 0
-        } else {
-            i + 2 == line.len()
-        };
-        Nearest {
-            parameter: from + (until - from) * clamped,
-            point: a + along * clamped,
-            beyond: if is_end && part.is_finite() {
-                (part - clamped).abs() * along.norm()
-            } else {
-                0.0
-            },
-        }
+/// Returns the parameter of the point of a polyline that is level with `place` along the
+/// polyline's chord, and the distance by which that is beyond an end \[m\].
+///
+/// Of several, the one nearest to the parameter `near`. The polyline has points with ascending
+/// parameters.
+pub(super) fn level_with(line: &[(f64, Vec3)], place: Vec3, near: f64) -> (f64, f64) {
+    let [(first, start), (last, end)] = [line[0], line[line.len() - 1]];
+    let chord = (end - start).try_normalize(0.0).unwrap_or_default();
+    let level = |p: Vec3| chord.dot(&(p - place));
+    let crossings = line.windows(2).filter_map(|ends| {
+        let [from, to] = [ends[0], ends[1]].map(|point| level(point.1));
+        let is_crossed = (from <= 0.0) != (to <= 0.0);
+        is_crossed.then(|| ends[0].0 + (ends[1].0 - ends[0].0) * from / (from - to))
     });
-    let distance = |nearest: &Nearest| (nearest.point - to).norm_squared();
-    segments.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    let nearest = crossings.min_by(|a, b| (a - near).abs().total_cmp(&(b - near).abs()));
+    match nearest {
+        Some(parameter) => (parameter, 0.0),
+        None if level(start) > 0.0 => (first, level(start)),
+        None => (last, -level(end)),
+    }
 }
 
 /// Returns the vector from a point to the nearest point of a blade whose ends go on straight.
 pub(super) fn offset(blade: &[[f32; 3]], from: Vec3) -> Vec3 {
-    let line: Vec<(f64, Vec3)> = blade.iter().map(|&p| (0.0, to_f64(p))).collect();
-    let Some(nearest) = nearest(&line, from) else {
-        return Vec3::zeros();
-    };
-    let offset = nearest.point - from;
-    if nearest.beyond == 0.0 {
-        return offset;
-    }
-    let n = line.len();
-    let is_first = nearest.point == line[0].1;
-    let along = if is_first {
-        line[0].1 - line[1].1
-    } else {
-        line[n - 1].1 - line[n - 2].1
-    };
-    let along = along.try_normalize(0.0).unwrap_or_default();
-    offset - along * along.dot(&offset)
+    let segments = blade.windows(2).enumerate().map(|(i, ends)| {
+        let [a, b] = [ends[0], ends[1]].map(to_f64);
+        let along = b - a;
+        let part = along.dot(&(from - a)) / along.norm_squared();
+        let low = if i == 0 { f64::NEG_INFINITY } else { 0.0 };
+        let high = if i + 2 == blade.len() {
+            f64::INFINITY
+        } else {
+            1.0
+        };
+        let part = if part.is_nan() {
+            0.0
+        } else {
+            part.clamp(low, high)
+        };
+        a + along * part - from
+    });
+    let nearest = segments.min_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()));
+    nearest.unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -82,26 +67,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_nearest_point_is_on_a_segment_or_at_an_end() {
+    fn a_place_is_level_with_the_nearest_of_several_points() {
         let line = [
             (0.0, [0.0, 0.0, 0.0]),
-            (1.0, [2.0, 0.0, 0.0]),
-            (2.0, [2.0, 3.0, 0.0]),
+            (1.0, [3.0, 1.0, 0.0]),
+            (2.0, [1.0, 2.0, 0.0]),
+            (3.0, [4.0, 0.0, 0.0]),
         ];
         let line = line.map(|(parameter, p)| (parameter, Vec3::from(p)));
-        for (to, parameter, beyond) in [
-            ([1.0, 1.0, 0.0], 0.5, 0.0),
-            ([-1.5, 0.5, 0.0], 0.0, 1.5),
-            ([2.5, 1.5, 1.0], 1.5, 0.0),
-            ([3.0, 7.0, 0.0], 2.0, 4.0),
-            ([3.0, -1.0, 0.0], 1.0, 0.0),
+        for (place, near, expected) in [
+            ([0.3, 9.0, 0.0], 2.0, (0.1, 0.0)),
+            ([2.0, 5.0, 1.0], 0.5, (2.0 / 3.0, 0.0)),
+            ([2.0, 5.0, 1.0], 1.4, (1.5, 0.0)),
+            ([2.0, 5.0, 1.0], 3.0, (2.0 + 1.0 / 3.0, 0.0)),
+            ([-1.5, 1.0, 0.0], 2.0, (0.0, 1.5)),
+            ([6.0, 1.0, 0.0], 1.0, (3.0, 2.0)),
         ] {
-            let found = nearest(&line, Vec3::from(to)).unwrap();
-            assert!(
-                (found.parameter - parameter).abs() < 1e-12,
-                "{to:?}: {found:?}"
-            );
-            assert!((found.beyond - beyond).abs() < 1e-12, "{to:?}: {found:?}");
+            let found = level_with(&line, Vec3::from(place), near);
+            assert!((found.0 - expected.0).abs() < 1e-12, "{place:?}: {found:?}");
+            assert!((found.1 - expected.1).abs() < 1e-12, "{place:?}: {found:?}");
         }
     }
 

@@ -99,6 +99,15 @@ impl BladeMap {
         }
     }
 
+    /// Returns the place of a piercing in the shape in which the cut is made \[m\].
+    pub(super) fn piercing(&self, piercing: &Piercing) -> Vec3 {
+        if self.is_identity() {
+            piercing.point
+        } else {
+            piercing.rest
+        }
+    }
+
     /// Returns the blade as a polyline: parameters and mapped points \[m\].
     pub(super) fn line(&self, blade: &[[f32; 3]]) -> Vec<(f64, Vec3)> {
         #[expect(clippy::cast_precision_loss, reason = "few points")]

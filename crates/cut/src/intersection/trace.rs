@@ -149,7 +149,12 @@ impl Trace {
                 [Some(first), None] if first.from == at_tip => {
                     self.follow(surface, facets, Start::Tip(tip), false)?;
                 }
-                [_, None] => {}
+                [Some(_), None] => {}
+                // The sweep leaves the sheet beside the tip, so that a bridge would be left.
+                [None, _] => {
+                    let triangle = surface.topology().outgoing(vertex).triangle();
+                    return Err(CutError::TipBlocked { triangle });
+                }
                 [_, Some(Segment { triangle, .. })] => {
                     return Err(CutError::TipBlocked { triangle });
                 }
