@@ -388,18 +388,6 @@ impl Incision {
         let points = |of: fn(&Column) -> Vec3| -> Vec<[f32; 3]> {
             columns.iter().map(|column| to_f32(of(column))).collect()
         };
-            eprintln!("identity {}", map.is_identity());
-            for c in &columns {
-                eprintln!(
-                    "  s {:.5} {:?} {:?} {:.3?} -> {:.3?}",
-                    c.parameter,
-                    c.vertex,
-                    c.is_joined,
-                    c.previous.as_slice(),
-                    c.current.as_slice()
-                );
-            }
-        }
         let sweep = Sweep::strip(&points(|c| c.previous), &points(|c| c.current));
         let sweep = match sweep {
             Err(CutError::BladeDegenerate) => {

@@ -7,7 +7,7 @@ use crate::intersection::node::On;
 use crate::intersection::trace::Trace;
 use incise_mesh::{Surface, Vec3, VertexId};
 
-/// Maximum distance of two parts of a tip that meet [first edge of the second part].
+/// Maximum distance of two parts of a tip that meet [local edge length].
 const MAX_DISTANCE: f64 = 1e-3;
 
 /// Minimum distance of neighbors along a tip [distance of two points of the sweep].
@@ -31,6 +31,7 @@ impl Exact {
         trace: &Trace,
         parameters: &[f64],
     ) -> Vec<TipPoint> {
+        let local = trace.max_local();
         let ends = ends_in_sheets(trace);
         let chains = self.chains.chains.iter();
         let chains = chains.map(|chain| (chain.edge, &self.chains.nodes[chain.nodes.clone()]));
@@ -68,7 +69,7 @@ impl Exact {
                         parameter = parameter.max(last.parameter + min_step);
                     }
                     // Across two walls that coincide the tip goes on.
-                    Some(last) if self.meets(surface, last.vertex, nodes) => {
+                    Some(last) if self.meets(surface, last.vertex, nodes[0], local) => {
                         last.meets_next = true;
                         parameter = last.parameter;
                     }
@@ -99,13 +100,10 @@ impl Exact {
         self.sides.vertices[node as usize][0]
     }
 
-    /// Returns whether a part of the tip begins where another one ends, at `last`.
-    fn meets(&self, surface: &Surface, last: VertexId, nodes: &[u32]) -> bool {
-        let [first, second, ..] = *nodes else {
-            return false;
-        };
-        let [from, to] = [first, second].map(|node| surface.position(self.vertex(node)));
-        (from - surface.position(last)).norm() <= MAX_DISTANCE * (to - from).norm()
+    /// Returns whether a part of the tip begins at `node` where another one ends, at `last`.
+    fn meets(&self, surface: &Surface, last: VertexId, node: u32, local: f64) -> bool {
+        let distance = surface.position(self.vertex(node)) - surface.position(last);
+        distance.norm() <= MAX_DISTANCE * local
     }
 }
 
