@@ -147,7 +147,7 @@ impl Cutter {
             };
             let Stroke { sweep, tip, .. } = &stroke;
             match self.try_displaced(surface, sweep, params, tip, may_start_inside) {
-                Err(error) if is_retried(&error) && !may_start_inside => {}
+                Err(error) if is_retried(&error, tip) && !may_start_inside => {}
                 result => {
                     let (outcome, taken) = result?;
                     if !outcome.is_miss() {
@@ -196,7 +196,7 @@ impl Cutter {
                     may_start_inside,
                 };
                 match self.cut_along(surface, &taken, params, Some(from)) {
-                    Err(error) if is_retried(&error) => first = first.or(Some(error)),
+                    Err(error) if is_retried(&error, tip) => first = first.or(Some(error)),
                     result => return result.map(|outcome| (outcome, taken)),
                 }
             }
@@ -206,11 +206,15 @@ impl Cutter {
 }
 
 /// Returns whether another sweep beside the refused one may be possible.
-fn is_retried(error: &CutError) -> bool {
-    matches!(
-        error,
-        CutError::TipBlocked { .. } | CutError::OpenSection | CutError::NotManifold { .. }
-    )
+///
+/// A sweep that goes on from a tip cannot lie in the body as a whole. It may seem so where it
+/// passes a vertex or an edge.
+fn is_retried(error: &CutError, tip: &ContinuedTip) -> bool {
+    match error {
+        CutError::TipBlocked { .. } | CutError::OpenSection | CutError::NotManifold { .. } => true,
+        CutError::PartialCut { .. } => !tip.vertices.is_empty(),
+        _ => false,
+    }
 }
 
 /// Returns the triangles whose bounding boxes touch a box.

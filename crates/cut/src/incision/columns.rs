@@ -314,7 +314,11 @@ fn front_piercings(columns: &[Column], surface: &Surface, near: &[TriangleId]) -
     // Two walls that coincide are pierced at one point.
     found.dedup_by(|next, kept| {
         let is_same = next[0] - kept[0] <= MAX_GAP * next[1].max(kept[1]);
-        kept[1] = if is_same { kept[1].min(next[1]) } else { kept[1] };
+        kept[1] = if is_same {
+            kept[1].min(next[1])
+        } else {
+            kept[1]
+        };
         is_same
     });
     found
