@@ -78,7 +78,13 @@ impl Trace {
             let next = match exit {
                 Exit::End | Exit::Closed => None,
                 Exit::Tip(tip) => self.follow_tip(surface, facets, tip),
-                Exit::Mesh(exit, facet) => self.across(surface, exit, facet)?,
+                Exit::Mesh(exit, facet) => {
+                    let first = match start {
+                        Start::Segment(first) if is_closed => Some(first),
+                        _ => None,
+                    };
+                    self.across(surface, exit, facet, first)?
+                }
             };
             match next {
                 Some(next) => at = next,
@@ -174,16 +180,20 @@ impl Trace {
                 return Ok(Exit::End);
             }
             self.nodes.push(node);
-            at = (self.segment(triangle, beyond)).ok_or(CutError::TipBlocked { triangle })?;
+            at = (self.segment(triangle, beyond))
+                .filter(|&next| self.follows(next, End::Sweep(edge)))
+                .ok_or(CutError::TipBlocked { triangle })?;
         }
     }
 
-    /// Returns the segment beyond a mesh edge; none at the surface's boundary or back at the start.
+    /// Returns the segment beyond a mesh edge; none at the surface's boundary, or back at the first
+    /// segment of a closed curve.
     fn across(
         &self,
         surface: &Surface,
         exit: HalfEdge,
         facet: u32,
+        first: Option<usize>,
     ) -> Result<Option<usize>, CutError> {
         let entry = surface.topology().twin(exit);
         if entry.is_null() {
@@ -192,7 +202,23 @@ impl Trace {
         let triangle = entry.triangle();
         let next = self.segment(triangle, facet);
         let next = next.ok_or_else(|| missing_candidate(surface, triangle))?;
-        Ok(Some(next).filter(|&next| !self.segments[next].is_seen))
+        if Some(next) == first {
+            return Ok(None);
+        }
+        if self.follows(next, End::Mesh(entry)) {
+            Ok(Some(next))
+        } else {
+            Err(CutError::TipBlocked { triangle })
+        }
+    }
+
+    /// Returns whether a segment begins at `from`, and no curve has run along it.
+    ///
+    /// Always without a tip. The vertices of a tip are not moved like the rest of the sweep, so
+    /// beside them the signs may fit no curve.
+    fn follows(&self, next: usize, from: End) -> bool {
+        let next = &self.segments[next];
+        !next.is_seen && next.from == from
     }
 
     /// Appends the nodes along a tip. Returns the segment with which the curve leaves it.
