@@ -50,6 +50,11 @@ impl Trace {
             }
             Start::Tip(tip) => match self.follow_tip(surface, facets, tip) {
                 Some(at) => at,
+                None if is_closed => {
+                    let vertex = tip.vertex(facets, tip.last);
+                    let triangle = surface.topology().outgoing(vertex).triangle();
+                    return Err(CutError::TipBlocked { triangle });
+                }
                 None => {
                     self.finish_curve(facets, first, is_closed);
                     return Ok(());
@@ -88,7 +93,17 @@ impl Trace {
             };
             match next {
                 Some(next) => at = next,
-                None => break,
+                None => {
+                    let closes = match exit {
+                        Exit::Closed => true,
+                        Exit::Mesh(exit, _) => !surface.topology().twin(exit).is_null(),
+                        Exit::Tip(_) | Exit::End => false,
+                    };
+                    if closes != is_closed {
+                        return Err(CutError::TipBlocked { triangle });
+                    }
+                    break;
+                }
             }
         }
         if !is_closed {
