@@ -2,6 +2,7 @@
 
 mod bvh;
 mod common;
+mod crossing;
 mod curved;
 mod exact;
 mod flat;

@@ -50,6 +50,11 @@ impl Trace {
             }
             Start::Tip(tip) => match self.follow_tip(surface, facets, tip) {
                 Some(at) => at,
+                None if is_closed => {
+                    let vertex = tip.vertex(facets, tip.last);
+                    let triangle = surface.topology().outgoing(vertex).triangle();
+                    return Err(CutError::TipBlocked { triangle });
+                }
                 None => {
                     self.finish_curve(facets, first, is_closed);
                     return Ok(());
@@ -78,11 +83,27 @@ impl Trace {
             let next = match exit {
                 Exit::End | Exit::Closed => None,
                 Exit::Tip(tip) => self.follow_tip(surface, facets, tip),
-                Exit::Mesh(exit, facet) => self.across(surface, exit, facet)?,
+                Exit::Mesh(exit, facet) => {
+                    let first = match start {
+                        Start::Segment(first) if is_closed => Some(first),
+                        _ => None,
+                    };
+                    self.across(surface, exit, facet, first)?
+                }
             };
             match next {
                 Some(next) => at = next,
-                None => break,
+                None => {
+                    let closes = match exit {
+                        Exit::Closed => true,
+                        Exit::Mesh(exit, _) => !surface.topology().twin(exit).is_null(),
+                        Exit::Tip(_) | Exit::End => false,
+                    };
+                    if closes != is_closed {
+                        return Err(CutError::TipBlocked { triangle });
+                    }
+                    break;
+                }
             }
         }
         if !is_closed {
@@ -174,16 +195,20 @@ impl Trace {
                 return Ok(Exit::End);
             }
             self.nodes.push(node);
-            at = (self.segment(triangle, beyond)).ok_or(CutError::TipBlocked { triangle })?;
+            at = (self.segment(triangle, beyond))
+                .filter(|&next| self.follows(next, End::Sweep(edge)))
+                .ok_or(CutError::TipBlocked { triangle })?;
         }
     }
 
-    /// Returns the segment beyond a mesh edge; none at the surface's boundary or back at the start.
+    /// Returns the segment beyond a mesh edge; none at the surface's boundary, or back at the first
+    /// segment of a closed curve.
     fn across(
         &self,
         surface: &Surface,
         exit: HalfEdge,
         facet: u32,
+        first: Option<usize>,
     ) -> Result<Option<usize>, CutError> {
         let entry = surface.topology().twin(exit);
         if entry.is_null() {
@@ -192,7 +217,23 @@ impl Trace {
         let triangle = entry.triangle();
         let next = self.segment(triangle, facet);
         let next = next.ok_or_else(|| missing_candidate(surface, triangle))?;
-        Ok(Some(next).filter(|&next| !self.segments[next].is_seen))
+        if Some(next) == first {
+            return Ok(None);
+        }
+        if self.follows(next, End::Mesh(entry)) {
+            Ok(Some(next))
+        } else {
+            Err(CutError::TipBlocked { triangle })
+        }
+    }
+
+    /// Returns whether a segment begins at `from`, and no curve has run along it.
+    ///
+    /// Always without a tip. The vertices of a tip are not moved like the rest of the sweep, so
+    /// beside them the signs may fit no curve.
+    fn follows(&self, next: usize, from: End) -> bool {
+        let next = &self.segments[next];
+        !next.is_seen && next.from == from
     }
 
     /// Appends the nodes along a tip. Returns the segment with which the curve leaves it.
