@@ -67,9 +67,9 @@ impl Cutter {
     /// starts a new incision.
     ///
     /// # Errors
-    /// [`CutError`]; the surface is then bit for bit what it was. The incision keeps its tip and its
-    /// last pose, from which the next step is tried, see [`IncisionState::Blocked`]. Call
-    /// [`Incision::restart`] to go on from another pose.
+    /// [`CutError`]; the surface is then bit for bit what it was. The incision keeps its tip, from
+    /// which the next step is tried, see [`IncisionState::Blocked`](crate::IncisionState::Blocked).
+    /// Call [`Incision::restart`] to go on from another pose.
     pub fn advance(
         &mut self,
         surface: &mut Surface,

@@ -2,7 +2,6 @@
 
 mod bvh;
 mod common;
-mod crossing;
 mod curved;
 mod exact;
 mod flat;

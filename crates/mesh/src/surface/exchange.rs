@@ -6,8 +6,9 @@ impl Surface {
     /// Runs a function on the surface with positions and rest positions exchanged. O(n).
     ///
     /// Inverse masses stay. An edit by the function places new vertices in the rest shape and
-    /// interpolates their positions. [`Undo::exchange_shapes`](crate::Undo::exchange_shapes) must follow for its undo. The
-    /// function must not move vertices.
+    /// interpolates their positions. For its undo,
+    /// [`Undo::exchange_shapes`](crate::Undo::exchange_shapes) must follow. The function must not
+    /// move vertices.
     pub fn with_shapes_exchanged<R>(&mut self, run: impl FnOnce(&mut Self) -> R) -> R {
         let motion = self.motion;
         self.exchange_shapes();
