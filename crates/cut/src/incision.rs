@@ -1,23 +1,22 @@
 //! [`Incision`]: a blade's pose and the tip at which its cut goes on in the next frame.
 
+mod approach;
 mod columns;
+mod front;
 mod lead;
 mod line;
 mod map;
 mod path;
 mod piercings;
 
+#[cfg(feature = "serde")]
 use crate::error::CutError;
-use crate::intersection::facets::ContinuedTip;
 use crate::sweep::Sweep;
-use columns::{Column, Poses, is_at_boundary, spread};
-use incise_mesh::geometry::{to_f32, to_f64};
-use incise_mesh::{Aabb, HalfEdge, Surface, TriangleId, Vec3, VertexId};
-use lead::{MIN_MOTION, has_moved, is_ahead, standing};
-use line::{offset, point_at};
-use map::BladeMap;
-use path::{Path, do_vanish};
-use piercings::piercings;
+pub(crate) use approach::Approach;
+use columns::is_at_boundary;
+pub(crate) use front::Stroke;
+use incise_mesh::{Surface, Vec3, VertexId};
+use path::Path;
 
 /// Motion of the blade after which the cut goes on [local edge lengths].
 ///
@@ -33,8 +32,8 @@ const PATH_WIDTH: f64 = 0.25;
 /// A blade that moves through a surface from frame to frame, see [`crate::Cutter::advance`].
 ///
 /// The blade's edge is a polyline. Where its last motion ended inside the body, the incision's tip
-/// consists of vertices of the surface. They move with the body, and the next motion starts at
-/// their present positions.
+/// consists of vertices of the surface. They move with the body, and the next motion starts from
+/// them.
 ///
 /// A blade that moves back the way it came cuts nothing until it is at the tip again. Where it
 /// leaves that way, it cuts a branch.
@@ -93,36 +92,8 @@ pub(crate) struct TipPoint {
     pub(crate) is_joined: bool,
     /// Whether the next part of the tip begins at the same parameter, across two coincident walls.
     pub(crate) meets_next: bool,
-}
-
-/// How a blade goes on from a tip in one step.
-#[derive(Debug, Default)]
-pub(crate) struct Approach {
-    pub(crate) map: BladeMap,
-    /// The tip, with the parameters of the nearest points of the new pose.
-    tip: Vec<TipPoint>,
-    /// By vertex of the tip, whether it keeps its place, and the unit vector ahead.
-    stands: Vec<bool>,
-    ahead: Vec<Vec3>,
-    /// Whether the blade is outside of the body, so that its front must be.
-    leaves: bool,
-    /// The next places of the tip's vertices \[m\].
-    targets: Vec<Vec3>,
-}
-
-/// Displacements of the front ahead of a blade that has left the body, tried in turn until the
-/// front is outside as well [local edge lengths].
-///
-/// In the rest shape the blade's place is known up to second order in its motion.
-const REACHES: [f64; 5] = [0.0, 0.125, 0.25, 0.5, 1.0];
-
-/// The sweep of one step, the tip that it continues, and its points' parameters on the blade.
-pub(crate) struct Stroke {
-    pub(crate) sweep: Sweep,
-    /// The sweep in the present shape.
-    pub(crate) present: Sweep,
-    pub(crate) tip: ContinuedTip,
-    pub(crate) parameters: Vec<f64>,
+    /// Whether it is in the body and not on its surface.
+    pub(crate) is_inner: bool,
 }
 
 impl Incision {
@@ -149,7 +120,7 @@ impl Incision {
         self.tip.iter().map(|point| point.vertex)
     }
 
-    /// Returns the sweep of the last step that cut.
+    /// Returns the sweep of the last step that cut, unless it has no area in the present shape.
     #[must_use]
     pub fn sweep(&self) -> Option<&Sweep> {
         self.sweep.as_ref()
@@ -192,15 +163,21 @@ impl Incision {
         self.refused_steps = 0;
     }
 
+    /// Stores the blade's pose.
+    fn take_pose(&mut self, blade: &[[f32; 3]]) {
+        self.pose.clear();
+        self.pose.extend_from_slice(blade);
+    }
+
     /// Sets the pose and the tip after a step through edges of length `local` \[m\].
     ///
-    /// `moved` has the vertices of the tip where it has moved. Those that keep their places stay.
-    /// `copies` returns the two vertices that a step has made of one of the last tip.
+    /// `moved` is the tip along the blade, without the vertices that kept their places. `copies`
+    /// returns the two vertices that the step has made of one of the last tip.
     pub(crate) fn finish_step(
         &mut self,
         pose: &[[f32; 3]],
         moved: Vec<TipPoint>,
-        sweep: Sweep,
+        sweep: Option<Sweep>,
         local: f64,
         approach: &Approach,
         copies: impl Fn(VertexId) -> Option<[VertexId; 2]>,
@@ -225,7 +202,7 @@ impl Incision {
             self.path.push(&tip);
         }
         self.tip = tip;
-        self.sweep = Some(sweep);
+        self.sweep = sweep;
     }
 
     /// Stores rest positions after a step in the rest shape.
@@ -261,222 +238,6 @@ impl Incision {
             joined[i - 1] || (i > 1 && joined[i - 2]) || is_at_boundary(surface, point.vertex)
         });
     }
-
-    /// Returns how a motion to a new pose cuts, or none if it does not.
-    ///
-    /// None for the first pose, for a motion that is too small, and for one back along the path.
-    /// `near` finds the triangles in a box, and `is_inside` whether a point is in the body.
-    ///
-    /// # Errors
-    /// [`CutError::PolylineLength`] and [`CutError::SweepNotFinite`].
-    pub(crate) fn begin_step(
-        &mut self,
-        surface: &Surface,
-        blade: &[[f32; 3]],
-        near: impl FnOnce(&Aabb) -> Vec<TriangleId>,
-        is_inside: impl FnOnce([f32; 3]) -> bool,
-    ) -> Result<Option<Approach>, CutError> {
-        if blade.len() < 2 {
-            let [previous, current] = [blade.len(); 2];
-            return Err(CutError::PolylineLength { previous, current });
-        }
-        if let Some(corner) = (blade.iter()).position(|p| !p.iter().all(|x| x.is_finite())) {
-            return Err(CutError::SweepNotFinite { corner });
-        }
-        if self.pose.len() != blade.len() {
-            self.restart(blade);
-            return Ok(None);
-        }
-        self.check_tip(surface);
-        if !self.is_inside() {
-            return Ok(Some(Approach::default()));
-        }
-        let near = near(&Aabb::around(blade.iter().copied()));
-        let piercings = piercings(blade, surface, &near);
-        #[expect(clippy::cast_precision_loss, reason = "few points")]
-        let last = (blade.len() - 1) as f64;
-        let map = BladeMap::new(surface, &self.tip, &piercings, last, self.local);
-        let (tip, leads) = self.leads(surface, &map, blade, &piercings);
-        let is_ahead = is_ahead(&leads);
-        let is_outside = piercings.is_empty() && !is_inside(blade[0]);
-        if !has_moved(&leads) && !is_outside {
-            return Ok(None);
-        }
-        if !is_ahead && self.goes_back(surface, blade) {
-            self.take_pose(blade);
-            self.state = IncisionState::Inside;
-            return Ok(None);
-        }
-        let was_out = self.state == IncisionState::Abandoned;
-        if is_outside && (was_out || !is_ahead) {
-            self.take_pose(blade);
-            self.state = IncisionState::Abandoned;
-            return Ok(None);
-        }
-        let width = PATH_WIDTH * self.local;
-        let is_off = self.back.is_some() && !is_ahead && !self.passes_tip(surface, blade, width);
-        if was_out || is_off {
-            self.leave();
-            return Ok(Some(Approach::default()));
-        }
-        let targets: Vec<Vec3> = leads.iter().map(|lead| lead.target).collect();
-        if self.is_refused_at(&targets) {
-            return Ok(None);
-        }
-        Ok(Some(Approach {
-            map,
-            tip,
-            stands: standing(&leads, is_outside),
-            ahead: leads.iter().map(|lead| lead.ahead).collect(),
-            leaves: is_outside,
-            targets,
-        }))
-    }
-
-    /// Stores the blade's pose.
-    fn take_pose(&mut self, blade: &[[f32; 3]]) {
-        self.pose.clear();
-        self.pose.extend_from_slice(blade);
-    }
-
-    /// Returns whether a blade is on its way through the body, behind the tip, and stores where.
-    fn goes_back(&mut self, surface: &Surface, blade: &[[f32; 3]]) -> bool {
-        let width = PATH_WIDTH * self.local;
-        let moved = self.pose.iter().zip(blade);
-        let moved = moved.map(|(&p, &q)| (to_f64(q) - to_f64(p)).norm());
-        let motion = moved.fold(0.0, f64::max);
-        let back = self.back.unwrap_or(0.0);
-        let found = self.path.find(surface, blade, back, motion, width);
-        self.back = found.or(self.back);
-        found.is_some()
-    }
-
-    /// Returns whether the last step to these positions of the tip was refused \[m\].
-    fn is_refused_at(&self, targets: &[Vec3]) -> bool {
-        let is_near = |(a, b): (&Vec3, &Vec3)| (a - b).norm() < MIN_MOTION * self.local;
-        self.refused.len() == targets.len()
-            && !targets.is_empty()
-            && self.refused.iter().zip(targets).all(is_near)
-    }
-
-    /// Stores that a step was refused.
-    pub(crate) fn refuse(&mut self, approach: Approach) {
-        self.refused = approach.targets;
-        self.refused_steps += 1;
-        self.state = IncisionState::Blocked;
-    }
-
-    /// Returns the sweep from the tip, or from the last pose, to a new pose.
-    ///
-    /// Beside the tip it rises from the surface by up to `rise` local edge lengths. None for a
-    /// motion along the blade's edge. `near` finds the triangles in a box.
-    ///
-    /// # Errors
-    /// As [`Sweep::strip`].
-    pub(crate) fn stroke(
-        &mut self,
-        surface: &Surface,
-        approach: &Approach,
-        blade: &[[f32; 3]],
-        rise: f64,
-        near: impl FnMut(&Aabb) -> Vec<TriangleId>,
-    ) -> Result<Option<Stroke>, CutError> {
-        let map = &approach.map;
-        let Some(columns) = self.front(surface, approach, blade, rise, near) else {
-            return Ok(None);
-        };
-        let points = |of: fn(&Column) -> Vec3| -> Vec<[f32; 3]> {
-            columns.iter().map(|column| to_f32(of(column))).collect()
-        };
-        let sweep = Sweep::strip(&points(|c| c.previous), &points(|c| c.current));
-        let sweep = match sweep {
-            Err(CutError::BladeDegenerate) => {
-                if !self.is_inside() {
-                    self.restart(blade);
-                }
-                return Ok(None);
-            }
-            sweep => sweep?,
-        };
-        let mut tip = ContinuedTip::default();
-        if self.is_inside() {
-            (tip.vertices).extend(columns.iter().map(|c| [c.vertex, c.begins]));
-            let topology = surface.topology();
-            let half_edge = |pair: &[Column]| {
-                let [a, b] = [pair[0].begins, pair[1].vertex];
-                let found = pair[0].is_joined.then(|| topology.find_half_edge(a, b));
-                found.flatten().unwrap_or(HalfEdge::NULL)
-            };
-            tip.half_edges.extend(columns.windows(2).map(half_edge));
-        }
-        let mut present = sweep.clone();
-        if !map.is_identity() {
-            let current = columns.iter().map(|c| point_at(blade, c.parameter));
-            tip.present.extend(current);
-            let previous = columns.iter().map(|c| {
-                let place = (!c.vertex.is_null()).then(|| surface.rest_position(c.vertex));
-                to_f32(place.unwrap_or_else(|| point_at(&self.pose, c.parameter)))
-            });
-            let previous: Vec<[f32; 3]> = previous.collect();
-            let current: Vec<[f32; 3]> = tip.present.iter().map(|&p| to_f32(p)).collect();
-            present = Sweep::strip(&previous, &current).unwrap_or(present);
-        }
-        Ok(Some(Stroke {
-            sweep,
-            present,
-            tip,
-            parameters: columns.iter().map(|c| c.parameter).collect(),
-        }))
-    }
-
-    /// Returns the points of the next sweep; none if a blade outside has its front inside.
-    fn front(
-        &self,
-        surface: &Surface,
-        approach: &Approach,
-        blade: &[[f32; 3]],
-        rise: f64,
-        mut near: impl FnMut(&Aabb) -> Vec<TriangleId>,
-    ) -> Option<Vec<Column>> {
-        let reaches = if approach.leaves {
-            &REACHES[..]
-        } else {
-            &REACHES[..1]
-        };
-        let mut first = None;
-        for reach in reaches {
-            let offsets: Vec<Vec3> = (approach.ahead.iter())
-                .map(|ahead| ahead * (reach * self.local))
-                .collect();
-            let poses = Poses {
-                map: &approach.map,
-                tip: &approach.tip,
-                stands: &approach.stands,
-                offsets: &offsets,
-                last: &self.pose,
-                new: blade,
-            };
-            let mut columns = self.columns(surface, &poses, rise);
-            if !self.is_inside() {
-                return Some(columns);
-            }
-            let points = columns.iter().map(|column| to_f32(column.current));
-            let near = near(&Aabb::around(points));
-            spread(&mut columns, surface, &near, &poses);
-            if !approach.leaves || !columns::is_inside(&columns, surface, &near) {
-                return Some(columns);
-            }
-            first = first.or(Some(columns));
-        }
-        first
-    }
-
-    /// Returns whether the blade is at the tip on its way to a new pose, up to `width` \[m\].
-    fn passes_tip(&self, surface: &Surface, blade: &[[f32; 3]], width: f64) -> bool {
-        let ends = [self.tip[0], self.tip[self.tip.len() - 1]];
-        let off = |pose: &[[f32; 3]]| ends.map(|end| offset(pose, surface.position(end.vertex)));
-        do_vanish(off(&self.pose), off(blade), 0.0, [[width; 2]; 2])
-    }
 }
 
 /// Returns a tip with the vertices of the last one that keep their places, in order.
@@ -484,6 +245,10 @@ impl Incision {
 /// A part that has moved begins and ends at such vertices, or where the last tip did.
 fn with_standing(moved: Vec<TipPoint>, last: &[TipPoint], stands: &[bool]) -> Vec<TipPoint> {
     let mut tip = moved;
+    for point in &mut tip {
+        let known = last.iter().find(|known| known.vertex == point.vertex);
+        point.is_inner |= known.is_some_and(|known| known.is_inner);
+    }
     let is_kept = |i: usize| {
         let stays = |i: usize| stands.get(i) == Some(&true);
         stays(i) && last[i].is_joined && stays(i + 1)

@@ -4,7 +4,7 @@ use crate::{Aabb, Surface, TriangleId};
 
 /// Finds the triangles near a box by one pass over all vertices.
 ///
-/// For a surface that has moved, a pass takes about an eighth of the time of
+/// For one query of a surface that has moved, it costs less than
 /// [`Bvh::refit`](crate::Bvh::refit). Kept between queries for its memory.
 #[derive(Debug, Clone, Default)]
 pub struct BoxScan {

@@ -85,7 +85,7 @@ impl Cutter {
         };
         let result = self.step_in_shape(surface, incision, &approach, blade, params);
         if result.is_err() {
-            incision.refuse(approach);
+            incision.refuse(approach, blade);
         }
         result
     }
@@ -152,7 +152,7 @@ impl Cutter {
                     let (outcome, taken) = result?;
                     if !outcome.is_miss() {
                         let taken = if approach.map.is_identity() {
-                            taken
+                            Some(taken)
                         } else {
                             stroke.present
                         };

@@ -172,7 +172,7 @@ impl Snapper {
             return;
         };
         if cut.is_at_border(node) {
-            self.take_border_vertex(cut, facets, (node, side), vertex, done);
+            self.take_border_vertex(cut, facets, node, side, vertex, done);
             return;
         }
         let topology = cut.edit.surface().topology();

@@ -83,6 +83,7 @@ impl Exact {
                     parameter,
                     is_joined: false,
                     meets_next: false,
+                    is_inner: node as usize >= trace.nodes.len(),
                 });
             }
         }

@@ -49,8 +49,8 @@ pub(super) fn is_ahead(leads: &[Lead]) -> bool {
 
 /// Returns which vertices of the tip keep their places.
 ///
-/// Those that the blade has not moved away from. Those that it is behind of as well, unless it has
-/// turned back as a whole. None if the blade `leaves` the body.
+/// A vertex does if the blade is near or behind it. If the blade has turned back as a whole, only
+/// near vertices do. If it `leaves` the body, all vertices move.
 pub(super) fn standing(leads: &[Lead], leaves: bool) -> Vec<bool> {
     let goes_on = |lead: &Lead| lead.distance >= MIN_STEP && !lead.is_behind;
     let has_turned = !leads.iter().any(goes_on);
@@ -128,8 +128,7 @@ impl Incision {
             }
             let (parameter, excess) = level_with(&line, place, point.parameter);
             beyond[i] = excess > MIN_MOTION * self.local;
-            let is_first = i == 0 && point.parameter <= 0.0;
-            let is_corner = is_first || (i + 1 == count && point.parameter >= last);
+            let is_corner = point.is_inner && (i == 0 || i + 1 == count);
             if !is_corner {
                 point.parameter = parameter;
             }

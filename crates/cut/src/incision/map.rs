@@ -31,7 +31,6 @@ pub(crate) struct BladeMap {
 /// A point beside the blade with its place at rest.
 #[derive(Debug, Clone, Copy)]
 struct Anchor {
-    vertex: VertexId,
     parameter: f64,
     point: Vec3,
     rest: Vec3,
@@ -42,44 +41,19 @@ impl BladeMap {
     /// Returns the map near a tip of a blade with some piercings. O(n), because it is the identity
     /// for a body at rest.
     ///
-    /// `last` is the parameter of the blade's last point, and `local` the length of edges near the
-    /// tip \[m\].
+    /// `local` is the length of edges near the tip \[m\].
     pub(super) fn new(
         surface: &Surface,
         tip: &[TipPoint],
         piercings: &[Piercing],
-        last: f64,
         local: f64,
     ) -> Self {
         if is_at_rest(surface) {
             return Self::default();
         }
         let mut anchors = Vec::new();
-        let goes_on = |point: &TipPoint| point.is_joined || point.meets_next;
-        let mut first = 0;
-        for part in tip.chunk_by(|point, _| goes_on(point)) {
-            let begins = first;
-            first += part.len();
-            let ends = [(begins, Some(true)), (first - 1, Some(false))];
-            let ends = if part.len() > 1 {
-                &ends[..]
-            } else {
-                &[(begins, None)]
-            };
-            let is_corner = |&&(i, _): &&(usize, Option<bool>)| {
-                tip[i].parameter <= 0.0 || tip[i].parameter >= last
-            };
-            let on_surface = ends.iter().filter(|end| !is_corner(end));
-            let on_surface: Vec<_> = on_surface.collect();
-            let used = if on_surface.is_empty() {
-                ends.iter().collect()
-            } else {
-                on_surface
-            };
-            let used = used
-                .into_iter()
-                .map(|&(i, enters)| (Anchor::at_vertex(surface, &tip[i]), enters));
-            anchors.extend(with_gradient(surface, used, piercings, local));
+        for part in tip.chunk_by(|point, _| point.is_joined || point.meets_next) {
+            anchors.extend(anchors_of(surface, part, piercings, local));
         }
         anchors.sort_by(|a: &Anchor, b| a.parameter.total_cmp(&b.parameter));
         Self { anchors }
@@ -134,29 +108,36 @@ impl BladeMap {
     }
 }
 
-/// Returns the anchors of a part of the tip, given those at its ends.
+/// Returns the anchors at the ends of a part of the tip, moved to where the blade pierces the
+/// surface near them now, if it does.
 ///
-/// An anchor is moved to where the blade pierces the surface near the end, if it does. `enters` is
-/// whether the blade goes into the body there, if that is known.
-fn with_gradient(
+/// An end in the body is no anchor if the other one is on the surface.
+fn anchors_of(
     surface: &Surface,
-    ends: impl Iterator<Item = (Anchor, Option<bool>)>,
+    part: &[TipPoint],
     piercings: &[Piercing],
     local: f64,
 ) -> Vec<Anchor> {
-    let (mut anchors, enters): (Vec<Anchor>, Vec<Option<bool>>) = ends.unzip();
-    let mut around: Vec<VertexId> = Vec::new();
-    for anchor in &anchors {
-        around.push(anchor.vertex);
+    let last = part.len() - 1;
+    let mut ends = vec![0, last];
+    ends.dedup();
+    if ends.iter().any(|&i| !part[i].is_inner) {
+        ends.retain(|&i| !part[i].is_inner);
     }
+    let mut around: Vec<VertexId> = ends.iter().map(|&i| part[i].vertex).collect();
     let fitted = inverse_gradient(surface, &around);
-    for (anchor, enters) in anchors.iter_mut().zip(enters) {
+    let mut anchors = Vec::with_capacity(ends.len());
+    for i in ends {
+        let mut anchor = Anchor::at_vertex(surface, &part[i]);
+        // Along the blade, the body begins at the first end and stops at the last one.
+        let enters = (last > 0).then_some(i == 0);
         if let Some(piercing) = anchor.nearest(piercings, enters, fitted, local) {
             around.extend(surface.topology().triangle(piercing.triangle));
             anchor.parameter = piercing.parameter;
             anchor.point = piercing.point;
             anchor.rest = piercing.rest;
         }
+        anchors.push(anchor);
     }
     let fitted = inverse_gradient(surface, &around);
     for anchor in &mut anchors {
@@ -169,7 +150,6 @@ impl Anchor {
     /// Returns the anchor at a vertex of the tip.
     fn at_vertex(surface: &Surface, point: &TipPoint) -> Self {
         Self {
-            vertex: point.vertex,
             parameter: point.parameter,
             point: surface.position(point.vertex),
             rest: surface.rest_position(point.vertex),
@@ -178,6 +158,8 @@ impl Anchor {
     }
 
     /// Returns where the blade pierces the surface near an end of the tip, if it does.
+    ///
+    /// `enters` is whether the blade goes into the body there, if that is known.
     fn nearest<'a>(
         &self,
         piercings: &'a [Piercing],
@@ -200,7 +182,6 @@ impl Anchor {
         let part = (parameter - self.parameter) / (next.parameter - self.parameter);
         let (a, b) = (self.inverse_gradient, next.inverse_gradient);
         Self {
-            vertex: self.vertex,
             parameter,
             point: self.point.lerp(&next.point, part),
             rest: self.rest.lerp(&next.rest, part),

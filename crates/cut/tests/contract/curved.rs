@@ -152,6 +152,31 @@ proptest! {
     }
 }
 
+/// Points nearest to the tip would lie on other segments of these blades.
+#[test]
+fn zigzag_and_bent_blades_keep_their_shape() {
+    let motion = |shape, points, height, lean, drop| Motion {
+        shape,
+        points,
+        half: 0.2,
+        center: [0.0, height, 0.0],
+        lean,
+        turn: 0.0,
+        drop,
+    };
+    let zigzag = motion(Shape::Zigzag(-0.119_419_105), 4, 0.0, 0.0, 0.0);
+    let bent = motion(
+        Shape::Bent(0.171_757_55),
+        3,
+        0.131_841_03,
+        0.186_417_94,
+        0.040_011_782,
+    );
+    for (motion, steps) in [(zigzag, 23), (bent, 19)] {
+        stroke(&icosphere(3, 0.5), &motion, steps, 0.0);
+    }
+}
+
 /// The middle point of a blade lies exactly in the cloth, where the tip is.
 #[test]
 fn a_point_of_the_blade_in_the_cloth() {

@@ -14,7 +14,8 @@ impl Snapper {
         &mut self,
         cut: &mut Opened<'_, '_>,
         facets: &Facets,
-        (node, side): (u32, usize),
+        node: u32,
+        side: usize,
         vertex: VertexId,
         done: &mut Snapped,
     ) {

@@ -1,0 +1,141 @@
+//! [`Approach`]: whether and how a motion of the blade goes on from the tip.
+
+use super::lead::{MIN_MOTION, has_moved, is_ahead, standing};
+use super::line::offset;
+use super::map::BladeMap;
+use super::path::do_vanish;
+use super::piercings::piercings;
+use super::{Incision, IncisionState, PATH_WIDTH, TipPoint};
+use crate::error::CutError;
+use incise_mesh::geometry::to_f64;
+use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
+
+/// How a blade goes on from a tip in one step.
+#[derive(Debug, Default)]
+pub(crate) struct Approach {
+    pub(crate) map: BladeMap,
+    /// The tip, with parameters of the new pose.
+    pub(super) tip: Vec<TipPoint>,
+    /// By vertex of the tip, whether it keeps its place, and the unit vector ahead.
+    pub(super) stands: Vec<bool>,
+    pub(super) ahead: Vec<Vec3>,
+    /// Whether the blade is outside of the body, so that its front must be.
+    pub(super) leaves: bool,
+    /// The next places of the tip's vertices \[m\].
+    targets: Vec<Vec3>,
+}
+
+impl Incision {
+    /// Returns how a motion to a new pose cuts, or none if it does not.
+    ///
+    /// None for the first pose, for a motion that is too small, and for one back along the path.
+    /// `near` finds the triangles in a box, and `is_inside` whether a point is in the body.
+    ///
+    /// # Errors
+    /// [`CutError::PolylineLength`] and [`CutError::SweepNotFinite`].
+    pub(crate) fn begin_step(
+        &mut self,
+        surface: &Surface,
+        blade: &[[f32; 3]],
+        near: impl FnOnce(&Aabb) -> Vec<TriangleId>,
+        is_inside: impl FnOnce([f32; 3]) -> bool,
+    ) -> Result<Option<Approach>, CutError> {
+        if blade.len() < 2 {
+            let [previous, current] = [blade.len(); 2];
+            return Err(CutError::PolylineLength { previous, current });
+        }
+        if let Some(corner) = (blade.iter()).position(|p| !p.iter().all(|x| x.is_finite())) {
+            return Err(CutError::SweepNotFinite { corner });
+        }
+        if self.pose.len() != blade.len() {
+            self.restart(blade);
+            return Ok(None);
+        }
+        self.check_tip(surface);
+        if !self.is_inside() && self.state != IncisionState::Blocked {
+            return Ok(Some(Approach::default()));
+        }
+        let near = near(&Aabb::around(blade.iter().copied()));
+        let piercings = piercings(blade, surface, &near);
+        let is_outside = piercings.is_empty() && !is_inside(blade[0]);
+        if !self.is_inside() {
+            return Ok(Some(Approach {
+                leaves: is_outside,
+                ..Approach::default()
+            }));
+        }
+        let map = BladeMap::new(surface, &self.tip, &piercings, self.local);
+        let (tip, leads) = self.leads(surface, &map, blade, &piercings);
+        let is_ahead = is_ahead(&leads);
+        if !has_moved(&leads) && !is_outside {
+            return Ok(None);
+        }
+        if !is_ahead && self.goes_back(surface, blade) {
+            self.take_pose(blade);
+            self.state = IncisionState::Inside;
+            return Ok(None);
+        }
+        let was_out = self.state == IncisionState::Abandoned;
+        if is_outside && (was_out || !is_ahead) {
+            self.take_pose(blade);
+            self.state = IncisionState::Abandoned;
+            return Ok(None);
+        }
+        let width = PATH_WIDTH * self.local;
+        let is_off = self.back.is_some() && !is_ahead && !self.passes_tip(surface, blade, width);
+        if was_out || is_off {
+            self.leave();
+            return Ok(Some(Approach::default()));
+        }
+        let targets: Vec<Vec3> = leads.iter().map(|lead| lead.target).collect();
+        if self.is_refused_at(&targets) {
+            return Ok(None);
+        }
+        Ok(Some(Approach {
+            map,
+            tip,
+            stands: standing(&leads, is_outside),
+            ahead: leads.iter().map(|lead| lead.ahead).collect(),
+            leaves: is_outside,
+            targets,
+        }))
+    }
+
+    /// Returns whether a blade is on its way through the body, behind the tip, and stores where.
+    fn goes_back(&mut self, surface: &Surface, blade: &[[f32; 3]]) -> bool {
+        let width = PATH_WIDTH * self.local;
+        let moved = self.pose.iter().zip(blade);
+        let moved = moved.map(|(&p, &q)| (to_f64(q) - to_f64(p)).norm());
+        let motion = moved.fold(0.0, f64::max);
+        let back = self.back.unwrap_or(0.0);
+        let found = self.path.find(surface, blade, back, motion, width);
+        self.back = found.or(self.back);
+        found.is_some()
+    }
+
+    /// Returns whether the last step to these positions of the tip was refused \[m\].
+    fn is_refused_at(&self, targets: &[Vec3]) -> bool {
+        let is_near = |(a, b): (&Vec3, &Vec3)| (a - b).norm() < MIN_MOTION * self.local;
+        self.refused.len() == targets.len()
+            && !targets.is_empty()
+            && self.refused.iter().zip(targets).all(is_near)
+    }
+
+    /// Stores that a step to a pose was refused. A blade that has left without a tip starts anew.
+    pub(crate) fn refuse(&mut self, approach: Approach, blade: &[[f32; 3]]) {
+        if approach.leaves && !self.is_inside() {
+            self.restart(blade);
+            return;
+        }
+        self.refused = approach.targets;
+        self.refused_steps += 1;
+        self.state = IncisionState::Blocked;
+    }
+
+    /// Returns whether the blade is at the tip on its way to a new pose, up to `width` \[m\].
+    fn passes_tip(&self, surface: &Surface, blade: &[[f32; 3]], width: f64) -> bool {
+        let ends = [self.tip[0], self.tip[self.tip.len() - 1]];
+        let off = |pose: &[[f32; 3]]| ends.map(|end| offset(pose, surface.position(end.vertex)));
+        do_vanish(off(&self.pose), off(blade), 0.0, [[width; 2]; 2])
+    }
+}

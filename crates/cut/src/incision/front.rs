@@ -1,0 +1,132 @@
+//! [`Stroke`]: the sweep of one step, from the tip to the blade.
+
+use super::columns::{self, Column, Poses, spread};
+use super::line::point_at;
+use super::{Approach, Incision};
+use crate::error::CutError;
+use crate::intersection::facets::ContinuedTip;
+use crate::sweep::Sweep;
+use incise_mesh::geometry::to_f32;
+use incise_mesh::{Aabb, HalfEdge, Surface, TriangleId, Vec3};
+
+/// Displacements of the front ahead of a blade that has left the body, tried in turn until the
+/// front is outside as well [local edge lengths].
+///
+/// In the rest shape the blade's place is known up to second order in its motion.
+const REACHES: [f64; 5] = [0.0, 0.125, 0.25, 0.5, 1.0];
+
+/// The sweep of one step, the tip that it continues, and its points' parameters on the blade.
+pub(crate) struct Stroke {
+    pub(crate) sweep: Sweep,
+    /// The sweep in the present shape, if it is another one and has an area.
+    pub(crate) present: Option<Sweep>,
+    pub(crate) tip: ContinuedTip,
+    pub(crate) parameters: Vec<f64>,
+}
+
+impl Incision {
+    /// Returns the sweep from the tip, or from the last pose, to a new pose.
+    ///
+    /// Beside the tip it rises from the surface by up to `rise` local edge lengths. None for a
+    /// motion along the blade's edge. `near` finds the triangles in a box.
+    ///
+    /// # Errors
+    /// As [`Sweep::strip`].
+    pub(crate) fn stroke(
+        &mut self,
+        surface: &Surface,
+        approach: &Approach,
+        blade: &[[f32; 3]],
+        rise: f64,
+        near: impl FnMut(&Aabb) -> Vec<TriangleId>,
+    ) -> Result<Option<Stroke>, CutError> {
+        let map = &approach.map;
+        let Some(columns) = self.front(surface, approach, blade, rise, near) else {
+            return Ok(None);
+        };
+        let points = |of: fn(&Column) -> Vec3| -> Vec<[f32; 3]> {
+            columns.iter().map(|column| to_f32(of(column))).collect()
+        };
+        let sweep = Sweep::strip(&points(|c| c.previous), &points(|c| c.current));
+        let sweep = match sweep {
+            Err(CutError::BladeDegenerate) => {
+                if !self.is_inside() {
+                    self.restart(blade);
+                }
+                return Ok(None);
+            }
+            sweep => sweep?,
+        };
+        let mut tip = ContinuedTip::default();
+        if self.is_inside() {
+            (tip.vertices).extend(columns.iter().map(|c| [c.vertex, c.begins]));
+            let topology = surface.topology();
+            let half_edge = |pair: &[Column]| {
+                let [a, b] = [pair[0].begins, pair[1].vertex];
+                let found = pair[0].is_joined.then(|| topology.find_half_edge(a, b));
+                found.flatten().unwrap_or(HalfEdge::NULL)
+            };
+            tip.half_edges.extend(columns.windows(2).map(half_edge));
+        }
+        let mut present = None;
+        if !map.is_identity() {
+            let current = columns.iter().map(|c| point_at(blade, c.parameter));
+            tip.present.extend(current);
+            let previous = columns.iter().map(|c| {
+                let place = (!c.vertex.is_null()).then(|| surface.rest_position(c.vertex));
+                to_f32(place.unwrap_or_else(|| point_at(&self.pose, c.parameter)))
+            });
+            let previous: Vec<[f32; 3]> = previous.collect();
+            let current: Vec<[f32; 3]> = tip.present.iter().map(|&p| to_f32(p)).collect();
+            present = Sweep::strip(&previous, &current).ok();
+        }
+        Ok(Some(Stroke {
+            sweep,
+            present,
+            tip,
+            parameters: columns.iter().map(|c| c.parameter).collect(),
+        }))
+    }
+
+    /// Returns the points of the next sweep; none if a blade outside has its front inside.
+    fn front(
+        &self,
+        surface: &Surface,
+        approach: &Approach,
+        blade: &[[f32; 3]],
+        rise: f64,
+        mut near: impl FnMut(&Aabb) -> Vec<TriangleId>,
+    ) -> Option<Vec<Column>> {
+        let reaches = if approach.leaves {
+            &REACHES[..]
+        } else {
+            &REACHES[..1]
+        };
+        let mut first = None;
+        for reach in reaches {
+            let offsets: Vec<Vec3> = (approach.ahead.iter())
+                .map(|ahead| ahead * (reach * self.local))
+                .collect();
+            let poses = Poses {
+                map: &approach.map,
+                tip: &approach.tip,
+                stands: &approach.stands,
+                offsets: &offsets,
+                last: &self.pose,
+                new: blade,
+            };
+            let mut columns = self.columns(surface, &poses, rise);
+            if !self.is_inside() {
+                return Some(columns);
+            }
+            let points = columns.iter().map(|column| to_f32(column.current));
+            let near = near(&Aabb::around(points));
+            spread(&mut columns, surface, &near, &poses);
+            if !approach.leaves || !columns::is_inside(&columns, surface, &near) {
+                return Some(columns);
+            }
+            first = first.or(Some(columns));
+        }
+        first
+    }
+}
