@@ -39,6 +39,7 @@ impl Sides {
     ///
     /// # Errors
     /// [`CutError::NotManifold`] if a part has a vertex twice: a tip or an end on a mesh edge.
+    /// [`CutError::TipBlocked`] as of [`Splitter::split`].
     pub(super) fn open(
         &mut self,
         edit: &mut Edit<'_>,
@@ -74,7 +75,7 @@ impl Sides {
                 beyond: seam.beyond,
                 chords,
             };
-            splitter.split(hit, &trace.nodes, facets);
+            splitter.split(hit, &trace.nodes, facets)?;
             self.replace(edit, &trace.nodes, seam, &splitter.parts)
         });
         self.seams = seams;

@@ -28,7 +28,8 @@ pub(super) fn join_nodes(cut: &mut Opened<'_, '_>, frames: &Frames) -> Pinched {
     let mut places: Option<Vec<(VertexId, u32)>> = None;
     let mut fan: Vec<HalfEdge> = Vec::new();
     for node in 0..incise_mesh::index_u32(cut.nodes.len()) {
-        if cut.rim.is_removed[node as usize] || cut.is_near_end(node) || cut.rim.is_end(node) {
+        let stays = |cut: &Opened<'_, '_>, node: u32| cut.is_near_end(node) || cut.rim.is_end(node);
+        if cut.rim.is_removed[node as usize] || stays(cut, node) {
             continue;
         }
         for side in 0..2 {
@@ -48,6 +49,9 @@ pub(super) fn join_nodes(cut: &mut Opened<'_, '_>, frames: &Frames) -> Pinched {
                 continue;
             };
             let other = places[place].1;
+            if stays(cut, other) {
+                continue;
+            }
             match is_neck(cut, frames, [node, other]) {
                 Some(true) => done.necks += 1,
                 Some(false) if contract(cut, [node, other], side, chord, &mut fan) => {

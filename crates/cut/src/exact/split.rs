@@ -3,6 +3,8 @@
 mod ears;
 mod slit;
 
+use super::contract::flatness;
+use crate::error::CutError;
 use crate::intersection::facets::Facets;
 use crate::intersection::node::{Node, On};
 use crate::intersection::trace::Chord;
@@ -98,7 +100,16 @@ struct PolygonEdge {
 
 impl Splitter {
     /// Splits a hit triangle along its chords.
-    pub(super) fn split(&mut self, hit: Hit<'_>, nodes: &[Node], facets: &Facets) {
+    ///
+    /// # Errors
+    /// [`CutError::TipBlocked`] if a part would be inverted: its curves cross, since the sweep
+    /// passes through itself there.
+    pub(super) fn split(
+        &mut self,
+        hit: Hit<'_>,
+        nodes: &[Node],
+        facets: &Facets,
+    ) -> Result<(), CutError> {
         self.mark(hit, nodes, facets);
         self.parts.clear();
         let slits = hit.chords.iter().filter(|c| !self.is_on_boundary(c));
@@ -114,16 +125,41 @@ impl Splitter {
                 }
             }
         }
-        if slits.is_empty() {
-            return;
+        if !slits.is_empty() {
+            let plane = Projection::new(&hit.corners);
+            for slit in slits {
+                join_slit(&mut self.polygons, slit, nodes, &hit.corners, plane);
+            }
+            for polygon in std::mem::take(&mut self.polygons) {
+                self.polygon = polygon;
+                self.triangulate(nodes, hit);
+            }
         }
-        let plane = Projection::new(&hit.corners);
-        for slit in slits {
-            join_slit(&mut self.polygons, slit, nodes, &hit.corners, plane);
+        self.check_parts(hit, nodes)
+    }
+
+    /// Checks that no part is inverted by more than rounding.
+    ///
+    /// Without nodes inside the triangle chords cannot cross.
+    fn check_parts(&self, hit: Hit<'_>, nodes: &[Node]) -> Result<(), CutError> {
+        let is_inner = |node: u32| matches!(nodes[node as usize].on, On::Face { .. });
+        let mut all = hit.chords.iter().flat_map(Chord::nodes);
+        if !all.any(is_inner) {
+            return Ok(());
         }
-        for polygon in std::mem::take(&mut self.polygons) {
-            self.polygon = polygon;
-            self.triangulate(nodes, hit);
+        let normal = area_vector(hit.corners);
+        let is_inverted = |part: &Part| {
+            let corners = part
+                .corners
+                .map(|corner| position(corner, nodes, &hit.corners));
+            let (own, is_flat) = flatness(corners);
+            !is_flat && own.dot(&normal) < 0.0
+        };
+        match self.parts.iter().any(is_inverted) {
+            true => Err(CutError::TipBlocked {
+                triangle: hit.chords[0].triangle,
+            }),
+            false => Ok(()),
         }
     }
 

@@ -2,9 +2,11 @@
 
 mod bvh;
 mod common;
+mod crossing;
 mod curved;
 mod exact;
 mod flat;
+mod folds;
 mod incision;
 mod intersect;
 mod layers;

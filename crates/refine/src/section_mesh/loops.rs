@@ -2,6 +2,7 @@
 
 use super::Section;
 use super::cdt::orient;
+use super::repair_loops::MAX_DISPLACEMENT;
 use crate::error::RefineError;
 use incise_mesh::index_u32;
 
@@ -125,7 +126,8 @@ impl SectionLoops {
     /// Clips corners without area, which are duplicates and spikes, with one triangle each.
     ///
     /// A cut through a vertex or along an edge of a surface leaves many. Repeats until no loop has
-    /// any, and returns the number of triangles.
+    /// any, and returns the number of triangles. A spike into the section is a slit, which stays:
+    /// a triangle across it would join its two sides.
     pub(crate) fn clip(
         &mut self,
         has_edge: &impl Fn(u32, u32) -> bool,
@@ -152,6 +154,21 @@ impl SectionLoops {
         if clean {
             return 0;
         }
+        let mut ends_slit = vec![false; self.points.len()];
+        let extent = |k: usize| {
+            let all = || self.points.iter().map(|p| p[k]);
+            all().fold(f64::MIN, f64::max) - all().fold(f64::MAX, f64::min)
+        };
+        let tolerance = MAX_DISPLACEMENT * extent(0).max(extent(1));
+        for own in (0..self.loop_count()).map(|i| self.corners(i)) {
+            for (k, &corner) in own.iter().enumerate() {
+                ends_slit[corner as usize] = self.is_end_of_slit(own, k, tolerance);
+            }
+        }
+        let may_clip = |points: &[[f64; 2]], [a, b, c]: [u32; 3]| {
+            let [p, q, r] = [a, b, c].map(|v| points[v as usize]);
+            flat(points, [a, b, c]) && (p == q || q == r || !ends_slit[b as usize])
+        };
         let mut starts = vec![0];
         let mut corners: Vec<u32> = Vec::with_capacity(self.corners.len());
         for i in 0..self.loop_count() {
@@ -166,7 +183,7 @@ impl SectionLoops {
                 for &c in &kept {
                     while let [.., a, b] = stack[..]
                         && left > 3
-                        && flat(&self.points, [a, b, c])
+                        && may_clip(&self.points, [a, b, c])
                         && !has_edge(self.point_ids[a as usize], self.point_ids[c as usize])
                     {
                         triangles.push([a, b, c]);
@@ -188,7 +205,7 @@ impl SectionLoops {
                     ]
                     .into_iter()
                     .any(|t| {
-                        flat(&self.points, t)
+                        may_clip(&self.points, t)
                             && !has_edge(
                                 self.point_ids[t[0] as usize],
                                 self.point_ids[t[2] as usize],
@@ -212,6 +229,51 @@ impl SectionLoops {
         self.corners = corners;
         self.starts = starts;
         triangles.len() - before
+    }
+
+    /// Returns whether a loop turns back at corner `k` and ran there through its own inside.
+    ///
+    /// It returns on the same way, up to `tolerance`, to a mouth. There the inside is left of both
+    /// branches, and the slit leaves between them.
+    fn is_end_of_slit(&self, corners: &[u32], k: usize, tolerance: f64) -> bool {
+        let n = corners.len();
+        let at = |i: usize| self.points[corners[i % n] as usize];
+        let (mut back, mut ahead) = (n + k, n + k);
+        let mut mouth = at(k);
+        let mut inner = None;
+        loop {
+            let minus_mouth = |p: [f64; 2]| [p[0] - mouth[0], p[1] - mouth[1]];
+            let is_at_mouth = |i: usize| {
+                let [x, y] = minus_mouth(at(i));
+                x.hypot(y) <= tolerance
+            };
+            while is_at_mouth(back) && ahead - back < n {
+                back -= 1;
+            }
+            while is_at_mouth(ahead) && ahead - back < n {
+                ahead += 1;
+            }
+            if ahead - back >= n {
+                return false;
+            }
+            let (p, q) = (at(back), at(ahead));
+            let (u, v) = (minus_mouth(p), minus_mouth(q));
+            let (a, b) = (u[0].hypot(u[1]), v[0].hypot(v[1]));
+            let width = (u[0] * v[1] - u[1] * v[0]).abs() / a.max(b);
+            if u[0] * v[0] + u[1] * v[1] > 0.0 && width <= tolerance {
+                inner = Some(mouth);
+                mouth = if a < b { p } else { q };
+                continue;
+            }
+            let is_left = |a, b| orient(mouth, a, b) > 0.0;
+            return inner.is_some_and(|inner| {
+                if is_left(q, p) {
+                    is_left(q, inner) && is_left(inner, p)
+                } else {
+                    is_left(q, inner) || is_left(inner, p)
+                }
+            });
+        }
     }
 }
 

@@ -12,10 +12,12 @@ use super::loop_triangulation::{Intersection, LoopTriangulation, LoopValidity};
 use super::loops::SectionLoops;
 use incise_mesh::index_u32;
 
-/// Displacements to try, relative to the extent of the group.
+/// Maximum displacement of a corner, relative to the extent of the group.
 ///
-/// The last one is above the rounding of 32-bit positions.
-const DISPLACEMENTS: [f64; 3] = [1e-9, 1e-7, 1e-5];
+/// Above the rounding of 32-bit positions.
+pub(crate) const MAX_DISPLACEMENT: f64 = 1e-5;
+/// Displacements to try, relative to the extent of the group.
+const DISPLACEMENTS: [f64; 3] = [1e-9, 1e-7, MAX_DISPLACEMENT];
 /// Maximum displacement of a corner, relative to its shorter edge.
 const MAX_EDGE_FRACTION: f64 = 0.1;
 
@@ -81,7 +83,7 @@ pub(crate) fn triangulate(
 /// Returns a length that exceeds every displacement.
 fn limit(triangulation: &LoopTriangulation) -> f64 {
     let extent = [0, 1].map(|k| triangulation.high[k] - triangulation.low[k]);
-    4.0 * DISPLACEMENTS[2] * extent[0].max(extent[1])
+    4.0 * MAX_DISPLACEMENT * extent[0].max(extent[1])
 }
 
 /// Returns the vertices of all intersections.

@@ -60,36 +60,86 @@ impl Splitter {
             let outline: Vec<_> = (0..polygon.len()).map(|i| plane.project(at(i))).collect();
             inset(&outline, &mut self.inset);
         }
-        let inset = &self.inset;
         self.ring.clear();
         self.ring.extend(0..polygon.len());
+        if has_inner && self.search_ears(nodes, hit) {
+            return;
+        }
+        self.ears.clear();
+        self.ring.clear();
+        self.ring.extend(0..self.polygon.len());
         while self.ring.len() > 3 {
-            let ring = &self.ring;
-            let n = ring.len();
-            let ear = |i: usize| [ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]];
-            let quality = |i: usize| {
-                let [a, b, c] = ear(i);
-                if !is_joinable(polygon, &hit.vertices, nodes, a, c)
-                    || (has_inner && are_neighbors(polygon, &self.ears, nodes, [a, c]))
-                {
-                    return -2.0;
-                }
-                let points = [a, b, c].map(at);
-                if has_inner && !is_empty_ear(inset, [a, b, c], ring) {
-                    return -1.0;
-                }
-                if has_inner && ring.iter().any(|&i| is_beside(at(i), [at(a), at(c)])) {
-                    return -0.5;
-                }
-                let angles = corner_angles(points);
-                angles.into_iter().fold(f64::MAX, f64::min)
-            };
-            let best = (0..n).max_by(|&i, &j| quality(i).total_cmp(&quality(j)));
+            let quality = |i: usize| self.ear_quality(nodes, hit, has_inner, i);
+            let best = (0..self.ring.len()).max_by(|&i, &j| quality(i).total_cmp(&quality(j)));
             let best = best.expect("a ring of more than three has a largest ear");
-            self.ears.push(ear(best));
+            self.ears.push(ear(&self.ring, best));
             self.ring.remove(best);
         }
         self.ears.push([self.ring[0], self.ring[1], self.ring[2]]);
+    }
+
+    /// Cuts valid ears off the ring, the one with the largest angles first, and takes back ears
+    /// after which none is left.
+    ///
+    /// Returns false if there is no such order among the first [`MAX_EARS`] ears.
+    fn search_ears(&mut self, nodes: &[Node], hit: Hit<'_>) -> bool {
+        let choices = |own: &Self| {
+            let all = (0..own.ring.len()).filter(|_| own.ring.len() > 3);
+            let all = all.map(|i| (own.ear_quality(nodes, hit, true, i), i));
+            let mut valid: Vec<(f64, usize)> = all.filter(|choice| choice.0 > -1.0).collect();
+            valid.sort_by(|a, b| a.0.total_cmp(&b.0));
+            valid.drain(..valid.len().saturating_sub(MAX_CHOICES));
+            valid
+        };
+        let mut left = vec![choices(self)];
+        let mut removed: Vec<(usize, usize)> = Vec::new();
+        let mut tries = self.ring.len() + MAX_EARS;
+        while let Some(last) = left.last_mut() {
+            if let [a, b, c] = self.ring[..]
+                && turn(self.inset[a], self.inset[b], self.inset[c]) > 0.0
+            {
+                self.ears.push([a, b, c]);
+                return true;
+            }
+            if let Some((_, i)) = last.pop() {
+                tries -= 1;
+                if tries == 0 {
+                    return false;
+                }
+                self.ears.push(ear(&self.ring, i));
+                removed.push((i, self.ring.remove(i)));
+                left.push(choices(self));
+            } else {
+                left.pop();
+                if let Some((i, corner)) = removed.pop() {
+                    self.ring.insert(i, corner);
+                    self.ears.pop();
+                }
+            }
+        }
+        false
+    }
+
+    /// Returns the smallest angle of the ear at place `i` of the ring, or a negative number.
+    ///
+    /// At most -1 if the ear is invalid, and -0.5 if it leaves a sliver.
+    fn ear_quality(&self, nodes: &[Node], hit: Hit<'_>, has_inner: bool, i: usize) -> f64 {
+        let (polygon, ring, inset) = (&self.polygon, &self.ring, &self.inset);
+        let at = |i: usize| position(polygon[i].corner, nodes, &hit.corners);
+        let [a, b, c] = ear(ring, i);
+        if !is_joinable(polygon, &hit.vertices, nodes, a, c)
+            || (has_inner && are_neighbors(polygon, &self.ears, nodes, [a, c]))
+        {
+            return -2.0;
+        }
+        if has_inner && !is_empty_ear(inset, [a, b, c], ring) {
+            return -1.0;
+        }
+        if has_inner && ring.iter().any(|&i| is_beside(at(i), [at(a), at(c)])) {
+            return -0.5;
+        }
+        let angles = corner_angles([a, b, c].map(at));
+        angles.into_iter().fold(f64::MAX, f64::min)
     }
 
     /// Makes the ears parts, with the roles of their edges.
@@ -131,6 +181,20 @@ impl Splitter {
             });
         }
     }
+}
+
+/// Number of the best ears among which [`Splitter::search_ears`] chooses each time.
+const MAX_CHOICES: usize = 8;
+
+/// Number of ears that [`Splitter::search_ears`] cuts off beyond those of a polygon.
+///
+/// A triangle with two slits has a dozen corners and needs a few.
+const MAX_EARS: usize = 1000;
+
+/// Returns the ear at place `i` of a ring.
+fn ear(ring: &[usize], i: usize) -> [usize; 3] {
+    let n = ring.len();
+    [ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]]
 }
 
 /// Returns a key of a corner that is the same in two triangles back to back.

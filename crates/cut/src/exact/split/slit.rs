@@ -24,6 +24,7 @@ pub(super) fn join_slit(
     let mut best = (false, f64::INFINITY, 0, 0);
     for (p, polygon) in polygons.iter().enumerate() {
         let outline = || polygon.iter().map(&point);
+        let corner = |i: usize| point(&polygon[i % polygon.len()]);
         let sides = || outline().zip(outline().cycle().skip(1));
         let is_around = sides()
             .filter(|&(a, b)| is_crossed_upward(a, b, start))
@@ -32,7 +33,9 @@ pub(super) fn join_slit(
             == 1;
         for (i, from) in outline().enumerate() {
             let is_crossed = |a, b| do_cross([from, start], [a, b]);
+            let around = [corner(i + polygon.len() - 1), corner(i + 1)];
             let is_free = is_around
+                && is_inward(from, around, start)
                 && !sides().any(|(a, b)| is_crossed(a, b))
                 && !along.windows(2).any(|pair| is_crossed(pair[0], pair[1]));
             let length = (start[0] - from[0]).hypot(start[1] - from[1]);
@@ -77,6 +80,18 @@ pub(super) fn join_slit(
     let side = 1;
     add(own[0], side, None);
     polygon.splice(i..i, detour);
+}
+
+/// Returns whether a bridge leaves a corner of the polygon into the inside, on the left.
+///
+/// A slit has two corners at each point, one on either side.
+fn is_inward(corner: [f64; 2], [before, after]: [[f64; 2]; 2], to: [f64; 2]) -> bool {
+    let is_left = |a, b| turn(corner, a, b) > 0.0;
+    if is_left(after, before) {
+        is_left(after, to) && is_left(to, before)
+    } else {
+        is_left(after, to) || is_left(to, before)
+    }
 }
 
 /// Returns whether the ray from `p` to the right crosses an edge.

@@ -186,9 +186,11 @@ impl Trace {
             let node = Node::in_face(surface, facets, triangle, edge, beyond);
             if beyond == NO_FACET {
                 let begins = index_u32(self.nodes.len()) == first + 1;
-                let from = self.nodes[first as usize];
-                if begins && matches!(from.on, On::Face { .. }) {
-                    let middle = Node::between(surface, triangle, &from, &node);
+                if begins
+                    && let Some(from) = self.nodes.last()
+                    && matches!(from.on, On::Face { .. })
+                {
+                    let middle = Node::between(surface, triangle, from, &node);
                     self.nodes.push(middle);
                 }
                 self.nodes.push(node);
