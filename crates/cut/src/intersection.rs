@@ -3,6 +3,7 @@
 //! [`facets`] decides every tie, [`order`] the order along an edge. [`trace`] follows the
 //! intersection curves from triangle to triangle, and [`node`] holds a point of a curve.
 
+pub(crate) mod continued_tip;
 pub(crate) mod facets;
 pub(crate) mod node;
 mod order;

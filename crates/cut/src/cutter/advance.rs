@@ -4,7 +4,7 @@ use super::Cutter;
 use crate::blade_position::is_in_body;
 use crate::error::CutError;
 use crate::incision::{Approach, Incision, Stroke};
-use crate::intersection::facets::ContinuedTip;
+use crate::intersection::continued_tip::ContinuedTip;
 use crate::outcome::CutOutcome;
 use crate::params::CutParams;
 use crate::sweep::Sweep;
@@ -212,7 +212,7 @@ impl Cutter {
 fn is_retried(error: &CutError, tip: &ContinuedTip) -> bool {
     match error {
         CutError::TipBlocked { .. } | CutError::OpenSection | CutError::NotManifold { .. } => true,
-        CutError::PartialCut { .. } => !tip.vertices.is_empty(),
+        CutError::PartialCut { .. } => !tip.parts.is_empty(),
         _ => false,
     }
 }

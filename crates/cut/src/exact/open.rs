@@ -2,7 +2,7 @@
 
 use super::split::{Corner, EdgeRole, Hit, Part, Splitter};
 use crate::error::CutError;
-use crate::intersection::facets::{ContinuedTip, Facets};
+use crate::intersection::facets::Facets;
 use crate::intersection::node::{Node, On};
 use crate::intersection::trace::Trace;
 use incise_mesh::{Edit, HalfEdge, Surface, TriangleCorners, TriangleId, VertexId};
@@ -87,16 +87,13 @@ impl Sides {
 
     /// Separates the walls along the tip that the sweep continues.
     fn open_tips(&mut self, edit: &mut Edit<'_>, trace: &Trace, facets: &Facets) {
-        let ContinuedTip {
-            vertices,
-            half_edges,
-            ..
-        } = facets.tip();
-        for (i, node) in trace.nodes.iter().enumerate() {
-            let On::Tip(vertex) = node.on else { continue };
-            let corner = vertices.iter().position(|ends| ends[1] == vertex);
-            let along = corner.and_then(|corner| half_edges.get(corner).copied());
-            if let Some(above) = along.filter(|h| !h.is_null()) {
+        for part in &facets.tip().parts {
+            // A curve has the nodes of a part one after the other.
+            let is_first = |node: &Node| node.on == On::Tip(part.vertices[0]);
+            let Some(first) = trace.nodes.iter().position(is_first) else {
+                continue;
+            };
+            for (i, &above) in (first..).zip(&part.half_edges) {
                 // The walls below and above the sweep are on the sides of the same number.
                 let below = edit.surface().topology().twin(above);
                 edit.open_edge(above);

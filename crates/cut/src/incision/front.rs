@@ -4,10 +4,10 @@ use super::columns::{self, Column, Poses, spread};
 use super::line::point_at;
 use super::{Approach, Incision};
 use crate::error::CutError;
-use crate::intersection::facets::ContinuedTip;
+use crate::intersection::continued_tip::{ContinuedTip, TipPart};
 use crate::sweep::Sweep;
 use incise_mesh::geometry::to_f32;
-use incise_mesh::{Aabb, HalfEdge, Surface, TriangleId, Vec3};
+use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
 
 /// Displacements of the front ahead of a blade that has left the body, tried in turn until the
 /// front is outside as well [local edge lengths].
@@ -58,16 +58,7 @@ impl Incision {
             sweep => sweep?,
         };
         let mut tip = ContinuedTip::default();
-        if self.is_inside() {
-            (tip.vertices).extend(columns.iter().map(|c| [c.vertex, c.begins]));
-            let topology = surface.topology();
-            let half_edge = |pair: &[Column]| {
-                let [a, b] = [pair[0].begins, pair[1].vertex];
-                let found = pair[0].is_joined.then(|| topology.find_half_edge(a, b));
-                found.flatten().unwrap_or(HalfEdge::NULL)
-            };
-            tip.half_edges.extend(columns.windows(2).map(half_edge));
-        }
+        tip.parts = parts_of(surface, &columns);
         let mut present = None;
         if !map.is_identity() {
             let current = columns.iter().map(|c| point_at(blade, c.parameter));
@@ -129,4 +120,29 @@ impl Incision {
         }
         first
     }
+}
+
+/// Returns the parts of the tip at some columns.
+fn parts_of(surface: &Surface, columns: &[Column]) -> Vec<TipPart> {
+    let topology = surface.topology();
+    let mut parts: Vec<TipPart> = Vec::new();
+    let mut is_joined = false;
+    for (corner, column) in (0..).zip(columns) {
+        let Column { vertex, begins, .. } = *column;
+        let last = parts.last_mut();
+        let edge = last
+            .as_ref()
+            .map(|part| topology.find_half_edge(part.last(), vertex));
+        match (last, edge.flatten()) {
+            (Some(part), Some(h)) if is_joined => part.push(h, corner, vertex),
+            // No part ends at a column where another one begins, unless it is joined to it.
+            _ if !vertex.is_null() && begins == vertex => parts.push(TipPart::of(corner, vertex)),
+            _ => {}
+        }
+        if begins != vertex {
+            parts.push(TipPart::of(corner, begins));
+        }
+        is_joined = column.is_joined;
+    }
+    parts
 }

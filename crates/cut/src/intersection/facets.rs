@@ -11,15 +11,19 @@ mod predicates;
 #[cfg(test)]
 mod tests;
 
+use crate::intersection::continued_tip::ContinuedTip;
 use crate::sweep::Sweep;
 use incise_mesh::geometry::{area_vector, to_f64};
-use incise_mesh::{HalfEdge, Vec3, VertexId, index_u32};
+use incise_mesh::{Vec3, VertexId, index_u32};
 use predicates::cross_sign;
 
 pub(crate) use edges::{EdgeKind, SweepEdge};
 
 /// No facet.
 pub(crate) const NO_FACET: u32 = u32::MAX;
+
+/// No corner.
+const NO_CORNER: u32 = u32::MAX;
 
 /// A sweep prepared for exact predicates: its triangles, called facets, and their edges.
 #[derive(Debug, Clone, Default)]
@@ -28,34 +32,10 @@ pub(crate) struct Facets {
     facets: Vec<Facet>,
     edges: Vec<SweepEdge>,
     tip: ContinuedTip,
+    /// By corner, the vertices of the tip on which it lies, or null: of up to two parts.
+    vertices: Vec<[VertexId; 2]>,
     /// Whether ties are broken by the opposite translation of the sweep, from the next read on.
     pub(crate) reverses_ties: bool,
-}
-
-/// The tip of an incision that a sweep continues.
-///
-/// Previous points of the sweep lie exactly on vertices of the tip. There the surface is not cut
-/// by predicates but opened by identity.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct ContinuedTip {
-    /// By previous point, the vertices of the tip on which it lies, or null: of the part of the
-    /// tip that ends there or passes, and of the part that begins there or passes. Empty if there
-    /// is no tip.
-    ///
-    /// They differ where the tip crosses two coincident walls, and its parts end on these.
-    pub(crate) vertices: Vec<[VertexId; 2]>,
-    /// By pair of neighbors, the half-edge from the second vertex of the first to the first vertex
-    /// of the second along the tip, or null.
-    pub(crate) half_edges: Vec<HalfEdge>,
-    /// The current points in the present shape \[m\], if the sweep is in the rest shape.
-    pub(crate) present: Vec<Vec3>,
-}
-
-impl ContinuedTip {
-    /// Returns whether the sweep is in the rest shape of the body.
-    pub(crate) fn is_in_rest_shape(&self) -> bool {
-        !self.present.is_empty()
-    }
 }
 
 /// A corner of a facet that is a corner of a mesh triangle.
@@ -89,11 +69,10 @@ struct Facet {
 impl Facets {
     /// Prepares a sweep that continues `tip`.
     ///
-    /// Between previous points i and i + 1 and the current ones, facet 2 i lies at the previous
-    /// edge and facet 2 i + 1 at the current edge. Where one of the points stands still, facet 2 i
-    /// lies at both, and the other does not exist.
+    /// Between points i and j = i + 1, facet 2 i lies at the previous edge and facet 2 i + 1 at the
+    /// current edge. Where one of the points stands still, facet 2 i lies at both, and the other
+    /// does not exist. Where both are one vertex of the tip, before or now, there is no facet.
     pub(crate) fn read(&mut self, sweep: &Sweep, tip: &ContinuedTip) {
-        self.tip.clone_from(tip);
         let n = index_u32(sweep.previous().len());
         self.corners.clear();
         self.corners
@@ -103,28 +82,81 @@ impl Facets {
         let edge = |a, b| SweepEdge {
             ends: [a, b],
             facets: [NO_FACET; 2],
+            is_tip: false,
         };
+        let merged = self.merged_corners(n, !tip.parts.is_empty());
+        let row = |i: u32| [merged[i as usize], merged[(n + i) as usize]];
         // n ribs, then a diagonal, a previous and a current edge for each quadrilateral.
-        self.edges.extend((0..n).map(|i| edge(i, n + i)));
-        // A point that stands still is one corner.
-        let standing = |i: u32| self.corners[i as usize] == self.corners[(n + i) as usize];
-        let corners: Vec<u32> = (0..n)
-            .map(|i| if standing(i) { i } else { n + i })
-            .collect();
-        for i in 0..n - 1 {
-            let (j, k, l) = (i + 1, corners[i as usize], corners[i as usize + 1]);
+        self.edges.extend((0..n).map(row).map(|[p, c]| edge(p, c)));
+        for (i, j) in (1..n).map(|j| (j - 1, j)) {
+            let ([a, d], [b, c]) = (row(i), row(j));
             let first = index_u32(self.edges.len());
-            self.edges.extend([edge(i, l), edge(i, j), edge(k, l)]);
+            self.edges.extend([edge(a, c), edge(a, b), edge(d, c)]);
             let [diagonal, previous, current] = [0, 1, 2].map(|e| first + e);
-            if l == j {
-                self.add_facet([i, j, k], [previous, current, i]);
-                self.add_facet([i; 3], [diagonal; 3]);
-            } else if k == i {
-                self.add_facet([i, j, l], [previous, j, current]);
-                self.add_facet([i; 3], [diagonal; 3]);
+            let none = ([a; 3], [diagonal; 3]);
+            let both = if a == b {
+                [none, ([a, c, d], [j, current, i])]
+            } else if c == d {
+                [([a, b, c], [previous, j, i]), none]
+            } else if b == c {
+                [([a, b, d], [previous, current, i]), none]
+            } else if a == d {
+                [([a, b, c], [previous, j, current]), none]
             } else {
-                self.add_facet([i, j, l], [previous, j, diagonal]);
-                self.add_facet([i, l, k], [diagonal, current, i]);
+                let at_current = ([a, c, d], [diagonal, current, i]);
+                [([a, b, c], [previous, j, diagonal]), at_current]
+            };
+            for (corners, edges) in both {
+                self.add_facet(corners, edges);
+            }
+        }
+        self.read_tip(tip, &merged);
+    }
+
+    /// Returns the corner of each of `n` previous points, then of each current point.
+    ///
+    /// A point that stands still is one corner. So are neighbors at one vertex, if there is a tip.
+    fn merged_corners(&self, n: u32, has_tip: bool) -> Vec<u32> {
+        let mut merged: Vec<u32> = (0..2 * n).collect();
+        for i in 0..2 * n {
+            let at = |corner: u32| self.corners[corner as usize];
+            let neighbor = i.checked_sub(1).filter(|_| has_tip && i % n > 0);
+            let before = i.checked_sub(n);
+            let mut known = before.into_iter().chain(neighbor);
+            if let Some(known) = known.find(|&known| at(known) == at(i)) {
+                merged[i as usize] = merged[known as usize];
+            }
+        }
+        merged
+    }
+
+    /// Takes the tip over to the merged corners.
+    fn read_tip(&mut self, tip: &ContinuedTip, merged: &[u32]) {
+        self.tip.clone_from(tip);
+        self.vertices.clear();
+        let count = if tip.parts.is_empty() {
+            0
+        } else {
+            merged.len()
+        };
+        self.vertices.resize(count, [VertexId::NULL; 2]);
+        let mut next = vec![NO_CORNER; count];
+        for part in &mut self.tip.parts {
+            for corner in &mut part.corners {
+                *corner = merged[*corner as usize];
+            }
+            for (&corner, &vertex) in part.corners.iter().zip(&part.vertices) {
+                let own = &mut self.vertices[corner as usize];
+                own[usize::from(!own[0].is_null())] = vertex;
+            }
+            for [from, to] in part.edges() {
+                next[from as usize] = to;
+            }
+        }
+        if count > 0 {
+            for edge in &mut self.edges {
+                let [a, b] = edge.ends;
+                edge.is_tip = next[a as usize] == b || next[b as usize] == a;
             }
         }
     }
@@ -163,20 +195,14 @@ impl Facets {
         &self.tip
     }
 
-    /// Returns the vertices of the tip at a corner, see [`ContinuedTip::vertices`], or null.
-    pub(crate) fn vertices_at(&self, corner: u32) -> [VertexId; 2] {
-        let vertices = self.tip.vertices.get(corner as usize);
-        vertices.copied().unwrap_or([VertexId::NULL; 2])
-    }
-
     /// Returns the corners that a facet and a mesh triangle share.
     pub(crate) fn shared(&self, i: u32, triangle: [VertexId; 3]) -> Shared {
         let mut shared = Shared::No;
-        if self.tip.vertices.is_empty() {
+        if self.vertices.is_empty() {
             return shared;
         }
         for (k, corner) in self.facets[i as usize].corners.into_iter().enumerate() {
-            let own = self.vertices_at(corner);
+            let own = self.vertices[corner as usize];
             let found = triangle
                 .iter()
                 .position(|v| own.contains(v) && !v.is_null());

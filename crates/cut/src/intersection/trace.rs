@@ -13,17 +13,15 @@
 mod follow;
 mod queries;
 mod segment;
-mod tip;
 
 use super::facets::Facets;
 use super::node::{Node, On};
 use super::touch::Touch;
 use crate::error::CutError;
 use follow::Start;
-use incise_mesh::{HalfEdge, Surface, TriangleId};
+use incise_mesh::{HalfEdge, Surface, TriangleId, VertexId};
 use segment::{End, Segment, meet};
 use std::ops::Range;
-use tip::Tip;
 
 /// The part of a curve across one mesh triangle: between edges, or from or to an end of the curve.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -112,7 +110,7 @@ impl Trace {
         }
         // Stable, so that the order of a triangle's chords is that of the curves.
         self.chords.sort_by_key(|chord| chord.triangle);
-        let tips = facets.tip().half_edges.iter().filter(|h| !h.is_null());
+        let tips = facets.tip().parts.iter().flat_map(|part| &part.half_edges);
         let walls = tips.flat_map(|&h| [h, surface.topology().twin(h)].map(HalfEdge::triangle));
         for triangle in walls {
             if self
@@ -131,23 +129,28 @@ impl Trace {
     /// A curve that returns to the tip is closed. A curve that starts inside the body or at the tip
     /// of a sheet is open.
     fn follow_tips(&mut self, surface: &Surface, facets: &Facets) -> Result<(), CutError> {
-        for tip in Tip::all(facets) {
-            let vertex = tip.vertex(facets, tip.first);
-            let is_reached = |node: &Node| node.on == On::Tip(vertex);
-            if self.nodes.iter().any(is_reached) {
+        let parts = || facets.tip().parts.iter().enumerate();
+        for (i, part) in parts().filter(|(_, part)| part.is_joined()) {
+            let is_reached = self.is_reached(part.vertices[0]);
+            if !is_reached && !part.is_ring() && !self.is_arrival(part.vertices[0]) {
+                self.follow(surface, facets, Start::Tip(i), false)?;
+            }
+        }
+        for (i, part) in parts() {
+            let vertex = part.vertices[0];
+            if self.is_reached(vertex) {
+                continue;
+            }
+            if part.is_joined() {
+                self.follow(surface, facets, Start::Tip(i), true)?;
                 continue;
             }
             let at_tip = End::Tip(vertex);
-            if tip.is_joined() {
-                let is_closed = self.segments.iter().any(|s| s.to == at_tip);
-                self.follow(surface, facets, Start::Tip(tip), is_closed)?;
-                continue;
-            }
             let own = |s: &&Segment| s.from == at_tip || s.to == at_tip;
             let mut own = self.segments.iter().filter(own);
             match [own.next().copied(), own.next().copied()] {
                 [Some(first), None] if first.from == at_tip => {
-                    self.follow(surface, facets, Start::Tip(tip), false)?;
+                    self.follow(surface, facets, Start::Tip(i), false)?;
                 }
                 [Some(_), None] => {}
                 // The sweep leaves the sheet beside the tip, so that a bridge would be left.
@@ -168,6 +171,16 @@ impl Trace {
             }),
             None => Ok(()),
         }
+    }
+
+    /// Returns whether a curve has reached a vertex of the tip.
+    fn is_reached(&self, vertex: VertexId) -> bool {
+        self.nodes.iter().any(|node| node.on == On::Tip(vertex))
+    }
+
+    /// Returns whether a segment ends at a vertex of the tip.
+    fn is_arrival(&self, vertex: VertexId) -> bool {
+        self.segments.iter().any(|s| s.to == End::Tip(vertex))
     }
 
     /// Returns the segment with which the chord of a closed curve enters its mesh triangle.

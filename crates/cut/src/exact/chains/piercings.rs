@@ -4,6 +4,7 @@ use super::{Chains, Opening};
 use crate::error::CutError;
 use crate::exact::open::Sides;
 use crate::exact::rim::NO_NODE;
+use crate::intersection::facets::Facets;
 use crate::intersection::node::{Node, On};
 use incise_mesh::{Edit, Surface, Vec3, index_u32};
 
@@ -20,16 +21,13 @@ pub(super) struct Piercing {
 }
 
 /// A corner of the sweep on the tip that it continues.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct TipCorner {
     pub(super) corner: u32,
     pub(super) node: u32,
     pub(super) solid: u32,
-    /// Whether the edges that begin here are inside the body at first: the diagonal, the rib, and
-    /// the previous edge beyond the end of the tip.
-    pub(super) diagonal: bool,
-    pub(super) rib: bool,
-    pub(super) beyond: bool,
+    /// The sweep's edges at the corner that are inside the body there.
+    pub(super) inside: Vec<u32>,
 }
 
 impl Chains {
@@ -120,7 +118,7 @@ impl Chains {
         }
     }
 
-    /// Collects the vertices of the tip that the sweep continues.
+    /// Collects the vertices of the tip that the sweep continues, sorted by corner.
     pub(super) fn find_tips(
         &mut self,
         edit: &Edit<'_>,
@@ -128,64 +126,72 @@ impl Chains {
         sides: &Sides,
     ) -> Result<(), CutError> {
         self.tips.clear();
-        let tip = at.facets.tip();
-        let ends = (0..).zip(&tip.vertices);
-        let ends = ends.flat_map(|(corner, &[ends, begins])| {
-            let begins = (begins != ends).then_some((corner, begins, [false, true]));
-            let ends = (corner, ends, [true, begins.is_none()]);
-            [Some(ends), begins].into_iter().flatten()
-        });
-        for (corner, vertex, [may_end, may_begin]) in ends {
-            let is_own = |node: &Node| node.on == On::Tip(vertex);
-            let Some(node) = at.nodes.iter().position(is_own).map(index_u32) else {
-                continue;
-            };
-            if !at.curves[at.rim.curve_of[node as usize] as usize].is_capped {
-                continue;
+        for part in &at.facets.tip().parts {
+            for (k, (&corner, &vertex)) in part.corners.iter().zip(&part.vertices).enumerate() {
+                let is_own = |node: &Node| node.on == On::Tip(vertex);
+                let Some(node) = at.nodes.iter().position(is_own).map(index_u32) else {
+                    continue;
+                };
+                if !at.curves[at.rim.curve_of[node as usize] as usize].is_capped {
+                    continue;
+                }
+                let next = at.rim.next[node as usize];
+                let prev = at.rim.prev[node as usize];
+                let along = if prev == NO_NODE || next != NO_NODE {
+                    node
+                } else {
+                    prev
+                };
+                let along = sides.rim[along as usize][0];
+                if along.is_null() {
+                    return Err(CutError::OpenSection);
+                }
+                let facet = |node: u32| at.nodes[node as usize].facet;
+                let [before, after] = part.neighbors(k);
+                let leaves = (next != NO_NODE).then(|| facet(node));
+                let arrives = (prev != NO_NODE).then(|| facet(prev));
+                self.tips.push(TipCorner {
+                    corner,
+                    node,
+                    solid: edit.surface().piece(along.triangle()),
+                    inside: inside(at.facets, corner, [before, after], [arrives, leaves]),
+                });
             }
-            let is_joined = |i: Option<u32>| {
-                let along = i.and_then(|i| tip.half_edges.get(i as usize));
-                along.is_some_and(|h| !h.is_null())
-            };
-            let begins = may_begin && is_joined(Some(corner));
-            let ends = may_end && is_joined(corner.checked_sub(1));
-            let (prev, next) = (at.rim.prev[node as usize], at.rim.next[node as usize]);
-            let facet = |node: u32| at.nodes[node as usize].facet;
-            // The facets around the corner that are inside the body, from the tip on: all, unless
-            // the curve leaves the tip there.
-            let (quad, inside) = (2 * corner, u32::MAX);
-            let [diagonal, rib, beyond] = if begins && ends {
-                [true; 3]
-            } else if begins {
-                let from = if prev == NO_NODE { inside } else { facet(prev) };
-                [
-                    from != quad,
-                    from != quad && from != quad + 1,
-                    from == inside,
-                ]
-            } else {
-                let to = if next == NO_NODE { inside } else { facet(node) };
-                let is_before = quad.checked_sub(2) == Some(to);
-                [to == quad || to == inside, !is_before, to == inside]
-            };
-            let along = if prev == NO_NODE || at.rim.next[node as usize] != NO_NODE {
-                node
-            } else {
-                prev
-            };
-            let along = sides.rim[along as usize][0];
-            if along.is_null() {
-                return Err(CutError::OpenSection);
-            }
-            self.tips.push(TipCorner {
-                corner,
-                node,
-                solid: edit.surface().piece(along.triangle()),
-                diagonal,
-                rib,
-                beyond,
-            });
         }
+        self.tips.sort_by_key(|tip| tip.corner);
         Ok(())
     }
+}
+
+/// Returns the sweep's edges at a corner of the tip that are inside the body there.
+///
+/// Counterclockwise, the inside begins behind the tip's edge to the corner after, and it ends at
+/// that from the corner before. At an end of the tip, the facet decides in which the curve leaves
+/// or arrives; a curve that ends there as well has none.
+fn inside(
+    facets: &Facets,
+    corner: u32,
+    [before, after]: [Option<u32>; 2],
+    [arrives, leaves]: [Option<u32>; 2],
+) -> Vec<u32> {
+    let fan = facets.fan(corner);
+    let of_facet = |facet: u32| fan.iter().position(|&(_, f)| f == facet);
+    let of_edge = |to: u32| {
+        let ends = |edge: u32| facets.edges()[edge as usize].ends;
+        fan.iter().position(|&(edge, _)| ends(edge).contains(&to))
+    };
+    let behind = |place: Option<usize>| place.map(|i| i + 1);
+    let start = match after {
+        Some(after) => behind(of_edge(after)),
+        None => leaves.and_then(|facet| behind(of_facet(facet))),
+    };
+    let end = match before {
+        Some(before) => of_edge(before),
+        None => arrives.and_then(|facet| behind(of_facet(facet))),
+    };
+    let own = fan.get(start.unwrap_or(0)..end.unwrap_or(fan.len()));
+    own.unwrap_or_default()
+        .iter()
+        .map(|&(edge, _)| edge)
+        .collect()
 }

@@ -2,7 +2,7 @@
 
 use super::Chains;
 use super::piercings::Piercing;
-use crate::intersection::facets::{EdgeKind, Facets};
+use crate::intersection::facets::Facets;
 use incise_mesh::index_u32;
 use std::ops::Range;
 
@@ -29,20 +29,12 @@ impl Chains {
     /// Returns the tip at an end of a sweep edge and whether the edge is inside the body there.
     fn tip_at(&self, facets: &Facets, edge: u32, end: usize, solid: u32) -> Option<(u32, bool)> {
         let corner = facets.edges()[edge as usize].ends[end];
-        let kind = facets.kind(edge);
         let from = self.tips.partition_point(|tip| tip.corner < corner);
         let own = self.tips[from..]
             .iter()
             .take_while(|tip| tip.corner == corner);
-        let own = own.filter(|tip| tip.solid == solid).map(|tip| {
-            let is_inside = match kind {
-                EdgeKind::Previous => tip.beyond,
-                EdgeKind::Diagonal => tip.diagonal,
-                // The present edge begins at a corner of the tip if that stands still.
-                EdgeKind::Rib | EdgeKind::Current => tip.rib,
-            };
-            (tip.node, is_inside)
-        });
+        let own = own.filter(|tip| tip.solid == solid);
+        let own = own.map(|tip| (tip.node, tip.inside.contains(&edge)));
         // Of two parts of the tip that end at a corner, the edge is inside at one.
         own.max_by_key(|&(_, is_inside)| is_inside)
     }

@@ -9,6 +9,8 @@ pub(crate) struct SweepEdge {
     pub(crate) ends: [u32; 2],
     /// The facet on its left and the one on its right, [`NO_FACET`] at the sweep's boundary.
     pub(crate) facets: [u32; 2],
+    /// Whether the surface is opened along it by identity.
+    pub(crate) is_tip: bool,
 }
 
 impl SweepEdge {
@@ -85,12 +87,50 @@ impl Facets {
     ///
     /// Not where the sweep continues a tip, nor on edges of triangles without area alone.
     pub(crate) fn may_have_chain(&self, edge: u32) -> bool {
-        let is_tip = || {
-            let pair = self.pair_of(edge).map(|pair| pair as usize);
-            let along = pair.and_then(|pair| self.tip.half_edges.get(pair));
-            self.kind(edge) == EdgeKind::Previous && along.is_some_and(|h| !h.is_null())
+        let SweepEdge { facets, is_tip, .. } = self.edges[edge as usize];
+        facets != [NO_FACET; 2] && !is_tip
+    }
+
+    /// Returns the facet on the left of the edge from one corner to another, if there is one.
+    pub(crate) fn left_of(&self, [from, to]: [u32; 2]) -> Option<u32> {
+        let known = self.edges.iter().find_map(|edge| {
+            let is_own = |ends: [u32; 2]| edge.ends == ends;
+            let facet = match (is_own([from, to]), is_own([to, from])) {
+                (true, _) => edge.facets[0],
+                (_, true) => edge.facets[1],
+                _ => NO_FACET,
+            };
+            (facet != NO_FACET).then_some(facet)
+        });
+        known
+    }
+
+    /// Returns the edges around a corner on the sweep's boundary, counterclockwise, each with the
+    /// facet that follows.
+    pub(crate) fn fan(&self, corner: u32) -> Vec<(u32, u32)> {
+        let leaving = |edge: &SweepEdge| {
+            // The facets on the left and on the right, seen from the corner.
+            let [left, right] = edge.facets;
+            if edge.ends[0] == corner {
+                [left, right]
+            } else {
+                [right, left]
+            }
         };
-        self.edges[edge as usize].facets != [NO_FACET; 2] && !is_tip()
+        let own = (0..).zip(&self.edges);
+        let own = own.filter(|(_, e)| e.ends.contains(&corner) && e.facets != [NO_FACET; 2]);
+        let mut own: Vec<(u32, [u32; 2])> = own.map(|(i, e)| (i, leaving(e))).collect();
+        let mut fan = Vec::with_capacity(own.len());
+        let mut behind = NO_FACET;
+        while let Some(i) = own.iter().position(|(_, facets)| facets[1] == behind) {
+            let (edge, [ahead, _]) = own.swap_remove(i);
+            fan.push((edge, ahead));
+            behind = ahead;
+            if ahead == NO_FACET {
+                break;
+            }
+        }
+        fan
     }
 
     /// Returns the facet beyond an edge of facet `i`, [`NO_FACET`] at the sweep's boundary.

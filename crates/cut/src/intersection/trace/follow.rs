@@ -1,7 +1,6 @@
 //! Follows a curve from mesh triangle to mesh triangle and from facet to facet.
 
 use super::segment::{End, Segment};
-use super::tip::Tip;
 use super::{Chord, Curve, Trace};
 use crate::error::CutError;
 use crate::intersection::facets::{Facets, NO_FACET};
@@ -16,7 +15,8 @@ const MAX_END_MARGIN: f64 = 0.1;
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Start {
     Segment(usize),
-    Tip(Tip),
+    /// The number of a part of the tip.
+    Tip(usize),
 }
 
 /// The place at which a chord leaves its mesh triangle.
@@ -24,8 +24,8 @@ pub(super) enum Start {
 enum Exit {
     /// Across a half-edge, in a facet.
     Mesh(HalfEdge, u32),
-    /// At an end of a tip, which the curve follows.
-    Tip(Tip),
+    /// At the beginning of this part of the tip, which the curve follows.
+    Tip(usize),
     /// At the tip along which the curve began.
     Closed,
     /// At the sweep's boundary.
@@ -50,8 +50,8 @@ impl Trace {
             }
             Start::Tip(tip) => match self.follow_tip(surface, facets, tip) {
                 Some(at) => at,
-                None if is_closed => {
-                    let vertex = tip.vertex(facets, tip.last);
+                None if is_closed && !facets.tip().parts[tip].is_ring() => {
+                    let vertex = facets.tip().parts[tip].last();
                     let triangle = surface.topology().outgoing(vertex).triangle();
                     return Err(CutError::TipBlocked { triangle });
                 }
@@ -164,9 +164,9 @@ impl Trace {
             } = *segment;
             let edge = match to {
                 End::Tip(vertex) => {
-                    let tip = Tip::from_vertex(facets, vertex)
-                        .ok_or(CutError::TipBlocked { triangle })?;
-                    let is_start = matches!(start, Start::Tip(start) if start.first == tip.first);
+                    let tip = facets.tip().part_from(vertex);
+                    let tip = tip.ok_or(CutError::TipBlocked { triangle })?;
+                    let is_start = matches!(start, Start::Tip(start) if start == tip);
                     // Around the body and back, or along another part of the tip.
                     let exit = if is_start {
                         Exit::Closed
@@ -239,16 +239,20 @@ impl Trace {
     }
 
     /// Appends the nodes along a tip. Returns the segment with which the curve leaves it.
-    fn follow_tip(&mut self, surface: &Surface, facets: &Facets, tip: Tip) -> Option<usize> {
-        let last = tip.vertex(facets, tip.last);
-        let next = self.segments.iter().position(|s| s.from == End::Tip(last));
-        for corner in tip.first..=tip.last {
-            // The facet on the inner side of the edge to the next corner.
-            let facet = match next {
-                Some(next) if corner == tip.last => self.segments[next].facet,
-                _ => 2 * corner.min(tip.last.saturating_sub(1)),
+    fn follow_tip(&mut self, surface: &Surface, facets: &Facets, tip: usize) -> Option<usize> {
+        let part = &facets.tip().parts[tip];
+        let last = End::Tip(part.last());
+        let next = self.segments.iter().position(|s| s.from == last);
+        let next = next.filter(|_| !part.is_ring());
+        // The facets on the inner side of each edge, and the one in which the curve goes on.
+        let mut facet = 2 * part.corners[0].saturating_sub(1);
+        let mut edges = part.edges();
+        for &vertex in &part.vertices {
+            facet = match (edges.next(), next) {
+                (Some(edge), _) => facets.left_of(edge).unwrap_or(facet),
+                (None, Some(next)) => self.segments[next].facet,
+                (None, None) => facet,
             };
-            let vertex = tip.vertex(facets, corner);
             self.nodes.push(Node::at_tip(surface, vertex, facet));
         }
         next
@@ -285,7 +289,7 @@ impl Trace {
     ) -> bool {
         let nodes = &self.nodes[first as usize..];
         let is_joined = |node: &Node| match node.on {
-            On::Tip(vertex) => Tip::from_vertex(facets, vertex).is_none_or(Tip::is_joined),
+            On::Tip(vertex) => facets.tip().is_joined(vertex),
             _ => false,
         };
         if nodes.iter().any(is_joined) {
@@ -309,7 +313,7 @@ impl Trace {
                 node.is_end = match node.on {
                     On::Edge { .. } => false,
                     On::Face { .. } => true,
-                    On::Tip(vertex) => Tip::from_vertex(facets, vertex).is_none_or(Tip::is_joined),
+                    On::Tip(vertex) => facets.tip().is_joined(vertex),
                 };
             }
         }
