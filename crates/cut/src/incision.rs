@@ -1,6 +1,7 @@
 //! [`Incision`]: a blade's pose and the tip at which its cut goes on in the next frame.
 
 mod approach;
+mod closing;
 mod columns;
 mod front;
 mod lead;
@@ -48,6 +49,10 @@ pub struct Incision {
     pose: Vec<[f32; 3]>,
     tip: Vec<TipPoint>,
     path: Path,
+    /// By end of the blade, the vertices behind it at which both walls meet, up to the tip.
+    ///
+    /// Empty for an end that is outside of the body.
+    borders: [Vec<VertexId>; 2],
     /// The distance by which the blade has moved back from the tip \[m\].
     back: Option<f64>,
     /// Edge length of the surface around the tip \[m\].
@@ -94,6 +99,15 @@ pub(crate) struct TipPoint {
     pub(crate) meets_next: bool,
     /// Whether it is in the body and not on its surface.
     pub(crate) is_inner: bool,
+}
+
+/// What a step has cut.
+pub(crate) struct Step<'a> {
+    pub(crate) approach: &'a Approach,
+    /// The largest length of edges along it \[m\].
+    pub(crate) local: f64,
+    /// See `Exact::borders`.
+    pub(crate) borders: [Vec<VertexId>; 2],
 }
 
 impl Incision {
@@ -158,6 +172,7 @@ impl Incision {
         };
         self.tip.clear();
         self.path.clear();
+        self.borders = Default::default();
         self.back = None;
         self.refused.clear();
         self.refused_steps = 0;
@@ -169,7 +184,7 @@ impl Incision {
         self.pose.extend_from_slice(blade);
     }
 
-    /// Sets the pose and the tip after a step through edges of length `local` \[m\].
+    /// Sets the pose and the tip after a step.
     ///
     /// `moved` is the tip along the blade, without the vertices that kept their places. `copies`
     /// returns the two vertices that the step has made of one of the last tip.
@@ -178,25 +193,44 @@ impl Incision {
         pose: &[[f32; 3]],
         moved: Vec<TipPoint>,
         sweep: Option<Sweep>,
-        local: f64,
-        approach: &Approach,
+        step: &Step<'_>,
         copies: impl Fn(VertexId) -> Option<[VertexId; 2]>,
     ) {
-        let tip = with_standing(moved, &approach.tip, &approach.stands);
-        self.path.open_tip(copies);
+        let Approach {
+            tip: last,
+            stands,
+            closing,
+            ..
+        } = step.approach;
+        let tip = with_standing(moved, last, stands);
+        if let Some(closing) = closing {
+            let ends = closing.ends(last);
+            self.path.push_ends(ends);
+            self.path.open(copies);
+        } else {
+            self.path.open_tip(copies);
+        }
         if self.tip.is_empty() {
             self.path.start(&self.pose);
             self.local = 0.0;
         }
         // Edges beside the tip are short, because the last step split them.
-        self.local = local.max(self.local * MIN_LOCAL_RATIO);
+        self.local = step.local.max(self.local * MIN_LOCAL_RATIO);
         self.take_pose(pose);
         self.back = None;
         self.refused.clear();
         self.refused_steps = 0;
+        for (k, border) in self.borders.iter_mut().enumerate() {
+            let end = if k == 0 { tip.first() } else { tip.last() };
+            extend_border(border, &step.borders[k], end);
+        }
         if tip.is_empty() {
             self.state = IncisionState::Finished;
-            self.path.clear();
+            if closing.is_some() {
+                self.back = Some(0.0);
+            } else {
+                self.path.clear();
+            }
         } else {
             self.state = IncisionState::Inside;
             self.path.push(&tip);
@@ -237,6 +271,23 @@ impl Incision {
             i += 1;
             joined[i - 1] || (i > 1 && joined[i - 2]) || is_at_boundary(surface, point.vertex)
         });
+    }
+}
+
+/// Extends the vertices behind an end of the blade by those of a step, up to an end of the tip.
+///
+/// An end of the tip that stands still has none.
+fn extend_border(border: &mut Vec<VertexId>, own: &[VertexId], end: Option<&TipPoint>) {
+    let end = end.filter(|end| end.is_inner).map(|end| end.vertex);
+    if end.is_some() && own.last().copied() == end {
+        if border.last() == own.first() {
+            border.pop();
+        } else {
+            border.clear();
+        }
+        border.extend_from_slice(own);
+    } else if border.last().copied() != end {
+        border.clear();
     }
 }
 

@@ -86,9 +86,15 @@ impl Sweep {
 
     /// Returns the sweep that ends displaced by `length` \[m\], off its plane and along its motion.
     ///
+    /// Points that stand still, and those for which `is_fixed` holds, keep their places.
+    ///
     /// # Errors
     /// As [`Self::strip`].
-    pub(crate) fn displaced(&self, length: f64) -> Result<Self, CutError> {
+    pub(crate) fn displaced(
+        &self,
+        length: f64,
+        is_fixed: impl Fn(usize) -> bool,
+    ) -> Result<Self, CutError> {
         let (_, normal) = self.plane();
         let (from, to) = (self.previous(), self.current());
         let motion: Vec3 = from
@@ -99,8 +105,14 @@ impl Sweep {
         let along = motion.try_normalize(0.0).unwrap_or_default();
         // Not in any plane of the sweep or across it, which may be those of mesh edges.
         let offset = (normal + along * 0.6).normalize() * length;
-        let to: Vec<[f32; 3]> = to.iter().map(|&p| to_f32(to_f64(p) + offset)).collect();
-        Self::strip(from, &to)
+        let moved = (0..to.len()).map(|i| {
+            if to[i] == from[i] || is_fixed(i) {
+                to[i]
+            } else {
+                to_f32(to_f64(to[i]) + offset)
+            }
+        });
+        Self::strip(from, &moved.collect::<Vec<_>>())
     }
 
     /// Makes a flat sweep along the plane `normal . x = d` that cuts everything in `bounds`.

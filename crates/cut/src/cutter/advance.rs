@@ -3,12 +3,12 @@
 use super::Cutter;
 use crate::blade_position::is_in_body;
 use crate::error::CutError;
-use crate::incision::{Approach, Incision, Stroke};
+use crate::incision::{Approach, Incision, Step, Stroke};
 use crate::intersection::continued_tip::ContinuedTip;
 use crate::outcome::CutOutcome;
 use crate::params::CutParams;
 use crate::sweep::Sweep;
-use incise_mesh::{Aabb, Bvh, Surface, TriangleId};
+use incise_mesh::{Aabb, Bvh, Surface, TriangleId, index_u32};
 
 /// Rises of the sweep beside a tip, tried in turn until a step can be cut and starts outside the
 /// body [local edge lengths].
@@ -159,8 +159,12 @@ impl Cutter {
                         let (facets, trace) = (&self.facets, &self.trace);
                         let tip = (self.exact).tip(surface, facets, trace, &stroke.parameters);
                         let copies = |v| self.exact.copies(trace, v);
-                        let local = trace.max_local();
-                        incision.finish_step(blade, tip, taken, local, approach, copies);
+                        let step = Step {
+                            local: trace.max_local(),
+                            approach,
+                            borders: self.exact.borders(facets, &tip),
+                        };
+                        incision.finish_step(blade, tip, taken, &step, copies);
                     } else if !incision.is_inside() {
                         incision.restart(blade);
                     }
@@ -188,7 +192,9 @@ impl Cutter {
                     sweep.clone()
                 } else {
                     let hits = self.candidates.iter().copied();
-                    sweep.displaced(displacement * surface.mean_edge_length_of(hits))?
+                    let length = displacement * surface.mean_edge_length_of(hits);
+                    let count = sweep.current().len();
+                    sweep.displaced(length, |i| tip.has_corner(index_u32(count + i)))?
                 };
                 let from = Continuation {
                     tip,

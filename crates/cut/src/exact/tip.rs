@@ -5,7 +5,7 @@ use crate::incision::TipPoint;
 use crate::intersection::facets::{EdgeKind, Facets};
 use crate::intersection::node::On;
 use crate::intersection::trace::Trace;
-use incise_mesh::{Surface, Vec3, VertexId};
+use incise_mesh::{Surface, Vec3, VertexId, index_u32};
 
 /// Maximum distance of two parts of a tip that meet [local edge length].
 const MAX_DISTANCE: f64 = 1e-3;
@@ -88,6 +88,47 @@ impl Exact {
             }
         }
         tip
+    }
+
+    /// Returns, for each end of a tip, the vertices at which both walls of the last cut meet, up to
+    /// that end.
+    ///
+    /// They lie along the way of the blade's end, and along the blade before if that was inside.
+    pub(crate) fn borders(&self, facets: &Facets, tip: &[TipPoint]) -> [Vec<VertexId>; 2] {
+        let last = index_u32(facets.corner_count() / 2 - 1);
+        let chains = self.chains.chains.iter().filter(|chain| chain.is_tip);
+        let lines: Vec<(u32, Vec<VertexId>)> = chains
+            .map(|chain| {
+                let nodes = self.chains.nodes[chain.nodes.clone()].iter();
+                (chain.edge, nodes.map(|&node| self.vertex(node)).collect())
+            })
+            .collect();
+        [(0, tip.first()), (last, tip.last())].map(|(rib, end)| {
+            let mut border = Vec::from_iter(end.map(|end| end.vertex));
+            let is_behind = |edge: u32| edge == rib || facets.kind(edge) == EdgeKind::Previous;
+            for _ in 0..lines.len() {
+                let own = lines
+                    .iter()
+                    .filter(|line| is_behind(line.0))
+                    .find_map(|(_, line)| {
+                        let is_new = |v: &VertexId| !border.contains(v);
+                        match line[..] {
+                            [ref rest @ .., v] if border.first() == Some(&v) => {
+                                rest.iter().all(is_new).then(|| rest.to_vec())
+                            }
+                            [v, ref rest @ ..] if border.first() == Some(&v) => {
+                                let rest = rest.iter().rev();
+                                rest.clone().all(is_new).then(|| rest.copied().collect())
+                            }
+                            _ => None,
+                        }
+                    });
+                let Some(mut own) = own else { break };
+                own.append(&mut border);
+                border = own;
+            }
+            border
+        })
     }
 
     /// Returns the vertices below and above the sweep that the cut has made of one of the tip.

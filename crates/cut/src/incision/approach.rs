@@ -1,13 +1,14 @@
 //! [`Approach`]: whether and how a motion of the blade goes on from the tip.
 
-use super::lead::{MIN_MOTION, has_moved, is_ahead, standing};
+use super::closing::Closing;
+use super::lead::{MIN_MOTION, free_standing, has_moved, is_ahead, standing};
 use super::line::offset;
 use super::map::BladeMap;
 use super::path::do_vanish;
 use super::piercings::piercings;
 use super::{Incision, IncisionState, PATH_WIDTH, TipPoint};
 use crate::error::CutError;
-use incise_mesh::geometry::to_f64;
+use incise_mesh::geometry::{to_f32, to_f64};
 use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
 
 /// How a blade goes on from a tip in one step.
@@ -19,8 +20,12 @@ pub(crate) struct Approach {
     /// By vertex of the tip, whether it keeps its place, and the unit vector ahead.
     pub(super) stands: Vec<bool>,
     pub(super) ahead: Vec<Vec3>,
+    /// By vertex, the displacement of its next place from the blade \[m\].
+    pub(super) offsets: Vec<Vec3>,
     /// Whether the blade is outside of the body, so that its front must be.
     pub(super) leaves: bool,
+    /// How the step closes the cut, if it does.
+    pub(super) closing: Option<Closing>,
     /// The next places of the tip's vertices \[m\].
     targets: Vec<Vec3>,
 }
@@ -52,10 +57,20 @@ impl Incision {
             return Ok(None);
         }
         self.check_tip(surface);
+        if !self.is_inside() && self.back.is_some() {
+            if self.goes_back(surface, blade) {
+                self.take_pose(blade);
+                return Ok(None);
+            }
+            self.leave();
+        }
+        let near = near(&Aabb::around(blade.iter().copied()));
+        if !self.is_inside() && self.slides(surface, blade, &near) {
+            return Ok(None);
+        }
         if !self.is_inside() && self.state != IncisionState::Blocked {
             return Ok(Some(Approach::default()));
         }
-        let near = near(&Aabb::around(blade.iter().copied()));
         let piercings = piercings(blade, surface, &near);
         let is_outside = piercings.is_empty() && !is_inside(blade[0]);
         if !self.is_inside() {
@@ -67,9 +82,11 @@ impl Incision {
         let map = BladeMap::new(surface, &self.tip, &piercings, self.local);
         let (tip, leads) = self.leads(surface, &map, blade, &piercings);
         let is_ahead = is_ahead(&leads);
-        if !has_moved(&leads) && !is_outside {
+        let closing = self.closing(surface, &map, &leads, blade);
+        if !has_moved(&leads) && !is_outside && closing.is_none() {
             return Ok(None);
         }
+        let is_ahead = is_ahead || closing.is_some();
         if !is_ahead && self.goes_back(surface, blade) {
             self.take_pose(blade);
             self.state = IncisionState::Inside;
@@ -91,14 +108,38 @@ impl Incision {
         if self.is_refused_at(&targets) {
             return Ok(None);
         }
+        let mut stands = standing(&leads, is_outside || closing.is_some());
         Ok(Some(Approach {
-            map,
+            offsets: free_standing(&leads, &tip, &mut stands, self.local),
             tip,
-            stands: standing(&leads, is_outside),
+            stands,
             ahead: leads.iter().map(|lead| lead.ahead).collect(),
             leaves: is_outside,
+            closing,
+            map,
             targets,
         }))
+    }
+
+    /// Returns whether a blade without a tip has moved along its edge alone, up to
+    /// [`MIN_MOTION`], near the surface. The last pose then slides along with it.
+    ///
+    /// A stab has no width. It cuts once the blade moves across, from where it was stabbed in.
+    fn slides(&mut self, surface: &Surface, blade: &[[f32; 3]], near: &[TriangleId]) -> bool {
+        if near.is_empty() {
+            return false;
+        }
+        self.local = surface.mean_edge_length_of(near.iter().copied());
+        let width = MIN_MOTION * self.local;
+        let offsets = blade.iter().map(|&p| offset(&self.pose, to_f64(p)));
+        let offsets: Vec<Vec3> = offsets.collect();
+        if offsets.iter().any(|off| off.norm() >= width) {
+            return false;
+        }
+        for ((place, &p), off) in self.pose.iter_mut().zip(blade).zip(offsets) {
+            *place = to_f32(to_f64(p) + off);
+        }
+        true
     }
 
     /// Returns whether a blade is on its way through the body, behind the tip, and stores where.
@@ -108,7 +149,12 @@ impl Incision {
         let moved = moved.map(|(&p, &q)| (to_f64(q) - to_f64(p)).norm());
         let motion = moved.fold(0.0, f64::max);
         let back = self.back.unwrap_or(0.0);
-        let found = self.path.find(surface, blade, back, motion, width);
+        let find = |back: f64| self.path.find(surface, blade, back, motion, width);
+        let mut found = find(back);
+        if found.is_none() && !self.is_inside() {
+            // The way of a cut that is closed goes on at its start.
+            found = find(f64::INFINITY);
+        }
         self.back = found.or(self.back);
         found.is_some()
     }

@@ -1,5 +1,7 @@
 //! The points of the next sweep: where it begins at the tip, and where it ends on the blade.
 
+use super::closing::Closing;
+use super::lead::MIN_MOTION;
 use super::line::point_at;
 use super::map::BladeMap;
 use super::piercings::pierced_at;
@@ -48,6 +50,8 @@ pub(super) struct Column {
     meets_next: bool,
     /// Whether it is a vertex of the tip that keeps its place in this step.
     stands: bool,
+    /// The vertex at which it ends where the cut is closed, or null.
+    pub(super) closes: VertexId,
 }
 
 impl Column {
@@ -63,6 +67,19 @@ impl Column {
             is_joined: false,
             meets_next: false,
             stands: false,
+            closes: VertexId::NULL,
+        }
+    }
+
+    /// Makes a column from a vertex of the tip to one at which the cut is closed.
+    pub(super) fn closing(surface: &Surface, parameter: f64, ends: [VertexId; 2]) -> Self {
+        let [previous, current] = ends.map(|v| surface.position(v));
+        Self {
+            vertex: ends[0],
+            begins: ends[0],
+            is_joined: true,
+            closes: ends[1],
+            ..Self::outside(parameter, previous, current)
         }
     }
 
@@ -118,9 +135,18 @@ impl Incision {
     /// from there to the blade's last pose could cross the surface once more. And a body is often
     /// symmetric, so that the same point of the blade enters and leaves it. The sweep rises by up
     /// to `rise` local edge lengths; if that is 0, it goes back to the blade's last pose.
-    pub(super) fn columns(&self, surface: &Surface, poses: &Poses<'_>, rise: f64) -> Vec<Column> {
+    pub(super) fn columns(
+        &self,
+        surface: &Surface,
+        poses: &Poses<'_>,
+        rise: f64,
+        closing: Option<&Closing>,
+    ) -> Vec<Column> {
         let mut columns = self.points_outside(poses);
-        columns.extend(self.points_of_tip(surface, poses));
+        columns.extend(match closing {
+            Some(closing) => closing.columns(surface, poses.tip),
+            None => self.points_of_tip(surface, poses),
+        });
         columns.sort_by(|a, b| a.parameter.total_cmp(&b.parameter));
         without_idle(&mut columns);
         let mut out = Vec::with_capacity(columns.len() + 4);
@@ -133,7 +159,9 @@ impl Incision {
                 let local = self.local;
                 let part = (WIDENING * local / (b - a).norm()).min(MAX_WIDENING);
                 let step = (beyond.parameter - column.parameter) * part;
-                own = column.moved(column.parameter + step, poses);
+                if column.closes.is_null() {
+                    own = column.moved(column.parameter + step, poses);
+                }
                 let room = MAX_RISE * (beyond.previous - column.previous).norm();
                 let height = rise * local.min(room);
                 let previous = if height > 0.0 {
@@ -174,7 +202,11 @@ impl Incision {
                 distance <= MAX_TIP_DISTANCE * self.local
             });
             if !is_covered && !is_at_tip {
-                let [previous, current] = [poses.previous(parameter), poses.current(parameter)];
+                let [previous, mut current] = [poses.previous(parameter), poses.current(parameter)];
+                // As for vertices of a tip.
+                if !self.is_inside() && (current - previous).norm() < MIN_MOTION * self.local {
+                    current = previous;
+                }
                 columns.push(Column::outside(parameter, previous, current));
             }
         }
@@ -207,6 +239,7 @@ impl Incision {
                 is_joined: point.is_joined,
                 meets_next: point.meets_next,
                 stands: poses.stands[i],
+                closes: VertexId::NULL,
             });
         }
         for column in columns.iter_mut().filter(|column| column.stands) {

@@ -7,7 +7,7 @@ use crate::error::CutError;
 use crate::intersection::continued_tip::{ContinuedTip, TipPart};
 use crate::sweep::Sweep;
 use incise_mesh::geometry::to_f32;
-use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
+use incise_mesh::{Aabb, HalfEdge, Surface, TriangleId, Vec3, VertexId, index_u32};
 
 /// Displacements of the front ahead of a blade that has left the body, tried in turn until the
 /// front is outside as well [local edge lengths].
@@ -57,8 +57,10 @@ impl Incision {
             }
             sweep => sweep?,
         };
-        let mut tip = ContinuedTip::default();
-        tip.parts = parts_of(surface, &columns);
+        let mut tip = ContinuedTip {
+            parts: parts_of(surface, &columns),
+            present: Vec::new(),
+        };
         let mut present = None;
         if !map.is_identity() {
             let current = columns.iter().map(|c| point_at(blade, c.parameter));
@@ -88,6 +90,7 @@ impl Incision {
         rise: f64,
         mut near: impl FnMut(&Aabb) -> Vec<TriangleId>,
     ) -> Option<Vec<Column>> {
+        let closing = approach.closing.as_ref();
         let reaches = if approach.leaves {
             &REACHES[..]
         } else {
@@ -95,8 +98,8 @@ impl Incision {
         };
         let mut first = None;
         for reach in reaches {
-            let offsets: Vec<Vec3> = (approach.ahead.iter())
-                .map(|ahead| ahead * (reach * self.local))
+            let offsets: Vec<Vec3> = (approach.offsets.iter().zip(&approach.ahead))
+                .map(|(offset, ahead)| offset + ahead * (reach * self.local))
                 .collect();
             let poses = Poses {
                 map: &approach.map,
@@ -104,10 +107,10 @@ impl Incision {
                 stands: &approach.stands,
                 offsets: &offsets,
                 last: &self.pose,
-                new: blade,
+                new: closing.map_or(blade, |closing| &closing.blade),
             };
-            let mut columns = self.columns(surface, &poses, rise);
-            if !self.is_inside() {
+            let mut columns = self.columns(surface, &poses, rise, closing);
+            if !self.is_inside() || closing.is_some() {
                 return Some(columns);
             }
             let points = columns.iter().map(|column| to_f32(column.current));
@@ -124,25 +127,70 @@ impl Incision {
 
 /// Returns the parts of the tip at some columns.
 fn parts_of(surface: &Surface, columns: &[Column]) -> Vec<TipPart> {
-    let topology = surface.topology();
     let mut parts: Vec<TipPart> = Vec::new();
     let mut is_joined = false;
     for (corner, column) in (0..).zip(columns) {
         let Column { vertex, begins, .. } = *column;
-        let last = parts.last_mut();
-        let edge = last
-            .as_ref()
-            .map(|part| topology.find_half_edge(part.last(), vertex));
-        match (last, edge.flatten()) {
-            (Some(part), Some(h)) if is_joined => part.push(h, corner, vertex),
-            // No part ends at a column where another one begins, unless it is joined to it.
-            _ if !vertex.is_null() && begins == vertex => parts.push(TipPart::of(corner, vertex)),
-            _ => {}
+        let last = parts.last_mut().filter(|_| is_joined);
+        // No part ends at a column where another one begins, unless it is joined to it.
+        if !last.is_some_and(|part| extend(part, surface, corner, vertex))
+            && !vertex.is_null()
+            && begins == vertex
+        {
+            parts.push(TipPart::of(corner, vertex));
         }
         if begins != vertex {
             parts.push(TipPart::of(corner, begins));
         }
         is_joined = column.is_joined;
     }
-    parts
+    let count = index_u32(columns.len());
+    let closing = (count..2 * count).zip(columns).rev();
+    let mut closing = closing.filter(|(_, column)| !column.closes.is_null());
+    let Some((corner, column)) = closing.next() else {
+        return parts;
+    };
+    let mut border = TipPart::of(corner, column.closes);
+    for (corner, column) in closing {
+        extend(&mut border, surface, corner, column.closes);
+    }
+    let tip = parts.pop().unwrap_or_default();
+    // Where the blade begins in the body, both meet at the first column there.
+    if columns[0].closes.is_null() {
+        joined(surface, tip, border)
+    } else {
+        joined(surface, border, tip)
+    }
+}
+
+/// Appends a vertex to a part of the tip, unless it is the last one. Returns whether it is there.
+fn extend(part: &mut TipPart, surface: &Surface, corner: u32, vertex: VertexId) -> bool {
+    if vertex == part.last() {
+        return true;
+    }
+    let half_edge = surface.topology().find_half_edge(part.last(), vertex);
+    if let Some(half_edge) = half_edge {
+        part.push(half_edge, corner, vertex);
+    }
+    half_edge.is_some()
+}
+
+/// Joins two parts of a tip that may meet in the body, at the end of the first one, and at the
+/// surface, at its beginning.
+///
+/// In the body they meet at one vertex. At the surface an edge may join their ends.
+fn joined(surface: &Surface, mut first: TipPart, mut last: TipPart) -> Vec<TipPart> {
+    let edge = surface
+        .topology()
+        .find_half_edge(last.last(), first.vertices[0]);
+    if first.last() == last.vertices[0] {
+        first.append(HalfEdge::NULL, &last);
+        first.half_edges.extend(edge);
+        return vec![first];
+    }
+    if let Some(edge) = edge {
+        last.append(edge, &first);
+        return vec![last];
+    }
+    vec![first, last]
 }

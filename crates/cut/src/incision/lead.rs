@@ -24,7 +24,8 @@ const MIN_COSINE: f64 = -0.5;
 /// The motion of the blade away from a vertex of the tip.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lead {
-    /// Its next place \[m\].
+    /// The vertex's place, and its next one \[m\].
+    place: Vec3,
     pub(super) target: Vec3,
     /// Distance, and the part of it ahead [local edge lengths]; 0 beyond an end of the blade.
     distance: f64,
@@ -50,13 +51,49 @@ pub(super) fn is_ahead(leads: &[Lead]) -> bool {
 /// Returns which vertices of the tip keep their places.
 ///
 /// A vertex does if the blade is near or behind it. If the blade has turned back as a whole, only
-/// near vertices do. If it `leaves` the body, all vertices move.
-pub(super) fn standing(leads: &[Lead], leaves: bool) -> Vec<bool> {
+/// near vertices do. If it leaves the body or closes the cut, so that it `ends`, all vertices move.
+pub(super) fn standing(leads: &[Lead], ends: bool) -> Vec<bool> {
     let goes_on = |lead: &Lead| lead.distance >= MIN_STEP && !lead.is_behind;
     let has_turned = !leads.iter().any(goes_on);
     let stands =
-        |lead: &Lead| !leaves && (lead.distance < MIN_MOTION || (lead.is_behind && !has_turned));
+        |lead: &Lead| !ends && (lead.distance < MIN_MOTION || (lead.is_behind && !has_turned));
     leads.iter().map(stands).collect()
+}
+
+/// Lets vertices of the tip move that cannot stand, by [`MIN_MOTION`] ahead. Returns the
+/// displacement of each vertex from the blade \[m\], given the length of edges near the tip \[m\].
+///
+/// Walls stay joined at a vertex that stands, and at an end in the body. So none stands alone
+/// between two that move, where the new tip would turn back, or beside such an end that moves: one
+/// edge between two of them cannot be opened.
+pub(super) fn free_standing(
+    leads: &[Lead],
+    tip: &[TipPoint],
+    stands: &mut [bool],
+    local: f64,
+) -> Vec<Vec3> {
+    let mut offsets = vec![Vec3::zeros(); tip.len()];
+    let is_joined = |i: usize| tip[i].is_joined && i + 1 < tip.len();
+    let beside = |i: usize| {
+        let before = i.checked_sub(1).filter(|&before| is_joined(before));
+        [before, Some(i + 1).filter(|_| is_joined(i))]
+    };
+    let is_inner_end = |i: usize| tip[i].is_inner && beside(i).contains(&None);
+    let mut is_done = false;
+    while !is_done {
+        is_done = true;
+        for i in 0..tip.len() {
+            let moving = beside(i).map(|other| other.filter(|&other| !stands[other]));
+            let is_held = moving.contains(&None) && !moving.into_iter().flatten().any(is_inner_end);
+            if stands[i] && !is_held {
+                stands[i] = false;
+                offsets[i] =
+                    leads[i].place + leads[i].ahead * (MIN_MOTION * local) - leads[i].target;
+                is_done = false;
+            }
+        }
+    }
+    offsets
 }
 
 impl Incision {
@@ -77,11 +114,13 @@ impl Incision {
         let lead = |i: usize| {
             let point = &tip[i];
             let target = map.at(point.parameter, point_at(blade, point.parameter));
-            let motion = target - map.vertex(surface, point.vertex);
+            let place = map.vertex(surface, point.vertex);
+            let motion = target - place;
             let ahead = ahead(surface, map, &tip, i);
             let progress = ahead.map_or(motion.norm(), |ahead| motion.dot(&ahead));
             let scale = if beyond[i] { 0.0 } else { 1.0 / self.local };
             Lead {
+                place,
                 target,
                 distance: scale * motion.norm(),
                 progress: scale * progress,

@@ -29,6 +29,16 @@ impl PathPoint {
     }
 }
 
+fn open(tips: &mut [[PathPoint; 2]], copies: impl Fn(VertexId) -> Option<[VertexId; 2]>) {
+    for end in tips
+        .iter_mut()
+        .flatten()
+        .filter(|end| end.sides[0] == end.sides[1])
+    {
+        end.sides = copies(end.sides[0]).unwrap_or(end.sides);
+    }
+}
+
 impl Path {
     pub(super) fn clear(&mut self) {
         self.entry.clear();
@@ -42,24 +52,33 @@ impl Path {
 
     pub(super) fn push(&mut self, tip: &[TipPoint]) {
         let ends = [tip[0], tip[tip.len() - 1]];
-        self.tips.push(ends.map(|end| PathPoint {
-            sides: [end.vertex; 2],
-            parameter: end.parameter,
+        self.push_ends(ends.map(|end| (end.vertex, end.parameter)));
+    }
+
+    /// Adds the ends of a tip, each with its parameter.
+    pub(super) fn push_ends(&mut self, ends: [(VertexId, f64); 2]) {
+        self.tips.push(ends.map(|(vertex, parameter)| PathPoint {
+            sides: [vertex; 2],
+            parameter,
         }));
     }
 
     /// Replaces the ends of the last tip by the two vertices that a step has made of each.
     pub(super) fn open_tip(&mut self, copies: impl Fn(VertexId) -> Option<[VertexId; 2]>) {
-        for end in self.tips.last_mut().into_iter().flatten() {
-            end.sides = copies(end.sides[0]).unwrap_or(end.sides);
-        }
+        let last = self.tips.len().saturating_sub(1);
+        open(&mut self.tips[last..], copies);
+    }
+
+    /// Replaces all ends by the two vertices that a step has made of each.
+    pub(super) fn open(&mut self, copies: impl Fn(VertexId) -> Option<[VertexId; 2]>) {
+        open(&mut self.tips, copies);
     }
 
     /// Returns how far behind the tip a blade is, if it is on the way or behind its start, up to
     /// `width` and the distance of the walls \[m\].
     ///
     /// The blade was `back` behind the tip and has moved by `motion` \[m\]. So it cannot be where
-    /// the way crosses itself.
+    /// the way crosses itself. If `back` is infinite, the blade is at the place nearest to the start.
     pub(super) fn find(
         &self,
         surface: &Surface,
@@ -72,12 +91,13 @@ impl Path {
         let reach = 2.0 * (motion + width);
         // A segment counts from the place of its end on, so the one before may begin far ahead.
         let (mut behind, mut previous) = (0.0, 0.0);
+        let mut found = None;
         for (i, tip) in self.tips.iter().enumerate().rev() {
             let before = i.checked_sub(1).map(|i| self.tips[i]);
             let mut ends = tip.iter().chain(before.iter().flatten());
             let is_gone = ends.any(|end| end.sides.iter().any(|v| v.index() >= slots));
             if behind > back + reach + previous || is_gone {
-                return None;
+                break;
             }
             let to = tip.map(|end| end.middle(surface));
             let from = match before {
@@ -93,13 +113,17 @@ impl Path {
             };
             let length = (0..2).fold(0.0, |m, k| (to[k].0 - from[k].0).norm().max(m));
             let widths = [from, to].map(|ends| ends.map(|end| width + end.1));
-            if behind + length >= back - reach && do_vanish(first, last, earliest, widths) {
-                return Some(behind);
+            let is_near = back.is_infinite() || behind + length >= back - reach;
+            if is_near && do_vanish(first, last, earliest, widths) {
+                found = Some(behind);
+                if back.is_finite() {
+                    break;
+                }
             }
             behind += length;
             previous = length;
         }
-        None
+        found
     }
 }
 
@@ -109,8 +133,18 @@ pub(super) fn do_vanish(
     from: [Vec3; 2],
     to: [Vec3; 2],
     earliest: f64,
-    [first, last]: [[f64; 2]; 2],
+    widths: [[f64; 2]; 2],
 ) -> bool {
+    vanishing_part(from, to, earliest, widths).is_some()
+}
+
+/// Returns the time of [`do_vanish`] at which the vectors are shortest, if they vanish.
+pub(super) fn vanishing_part(
+    from: [Vec3; 2],
+    to: [Vec3; 2],
+    earliest: f64,
+    [first, last]: [[f64; 2]; 2],
+) -> Option<f64> {
     let change = [0, 1].map(|k| to[k] - from[k]);
     let along: f64 = (0..2).map(|k| change[k].dot(&from[k])).sum();
     let length: f64 = change.iter().map(Vec3::norm_squared).sum();
@@ -120,5 +154,6 @@ pub(super) fn do_vanish(
         1.0
     };
     let width = |k: usize| first[k] + (last[k] - first[k]) * part.max(0.0);
-    (0..2).all(|k| (from[k] + change[k] * part).norm() <= width(k))
+    let is_gone = |k: usize| (from[k] + change[k] * part).norm() <= width(k);
+    (0..2).all(is_gone).then_some(part)
 }

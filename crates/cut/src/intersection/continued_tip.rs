@@ -1,6 +1,6 @@
 //! [`ContinuedTip`]: where a sweep opens the surface by identity instead of cutting it.
 
-use incise_mesh::{HalfEdge, Surface, Vec3, VertexId};
+use incise_mesh::{HalfEdge, Vec3, VertexId};
 
 /// The tip of an incision that a sweep continues.
 ///
@@ -36,6 +36,11 @@ impl ContinuedTip {
     pub(crate) fn part_from(&self, vertex: VertexId) -> Option<usize> {
         let mut parts = self.parts.iter();
         parts.position(|part| part.vertices[0] == vertex)
+    }
+
+    /// Returns whether a corner of the sweep is on the tip.
+    pub(crate) fn has_corner(&self, corner: u32) -> bool {
+        self.parts.iter().any(|part| part.corners.contains(&corner))
     }
 
     /// Returns whether both walls meet at a vertex, which is not that of a sheet.
@@ -92,30 +97,14 @@ impl TipPart {
         [before, after]
     }
 
-    /// Appends a part that begins where this one ends, or where an edge of the surface leads.
-    ///
-    /// Closes the ring if the joined part ends there. Returns false, without a change, if it does
-    /// not begin there.
-    pub(crate) fn join(&mut self, surface: &Surface, other: &Self) -> bool {
-        let topology = surface.topology();
-        let edge = |from: &Self, to: &Self| topology.find_half_edge(from.last(), to.vertices[0]);
-        if self.last() == other.vertices[0] {
-            self.corners.extend_from_slice(&other.corners[1..]);
-            self.vertices.extend_from_slice(&other.vertices[1..]);
-        } else if let Some(h) = edge(self, other) {
-            self.half_edges.push(h);
-            self.corners.extend_from_slice(&other.corners);
-            self.vertices.extend_from_slice(&other.vertices);
-        } else {
-            return false;
-        }
+    /// Appends a part that begins with this half-edge from the last vertex, or at it if null.
+    pub(crate) fn append(&mut self, half_edge: HalfEdge, other: &Self) {
+        let is_same = half_edge.is_null();
+        self.half_edges.extend((!is_same).then_some(half_edge));
         self.half_edges.extend_from_slice(&other.half_edges);
-        if self.last() == self.vertices[0] {
-            self.corners.pop();
-            self.vertices.pop();
-        } else if let Some(h) = edge(self, self) {
-            self.half_edges.push(h);
-        }
-        true
+        self.corners
+            .extend_from_slice(&other.corners[usize::from(is_same)..]);
+        self.vertices
+            .extend_from_slice(&other.vertices[usize::from(is_same)..]);
     }
 }

@@ -12,7 +12,7 @@ const STEPS_OF_STROKE: u16 = 125;
 /// Length along x, relative to rest.
 const STRETCH: f64 = 3.0;
 /// Steps that may be refused, all where later strokes cross earlier slits or run along them.
-const MAX_REFUSED: u32 = 9;
+const MAX_REFUSED: u32 = 1;
 
 /// Moves every vertex to its place in a stretched, sheared and turned body.
 ///
@@ -101,6 +101,6 @@ fn a_thousand_steps_through_a_stretched_body() {
     cutter.bvh().validate(&body).unwrap();
     let now = body.rest_volume_of(body.topology().triangles());
     assert!((now / volume - 1.0).abs() < 1e-6, "{volume} became {now}");
-    assert!(cuts > 80, "{cuts} steps cut");
+    assert!(cuts > 70, "{cuts} steps cut");
     assert!(refused <= MAX_REFUSED, "{refused} steps are refused");
 }

@@ -93,7 +93,7 @@ impl Facets {
 
     /// Returns the facet on the left of the edge from one corner to another, if there is one.
     pub(crate) fn left_of(&self, [from, to]: [u32; 2]) -> Option<u32> {
-        let known = self.edges.iter().find_map(|edge| {
+        self.edges.iter().find_map(|edge| {
             let is_own = |ends: [u32; 2]| edge.ends == ends;
             let facet = match (is_own([from, to]), is_own([to, from])) {
                 (true, _) => edge.facets[0],
@@ -101,15 +101,20 @@ impl Facets {
                 _ => NO_FACET,
             };
             (facet != NO_FACET).then_some(facet)
-        });
-        known
+        })
+    }
+
+    /// Returns the facet at the previous edge before a corner, or the first one.
+    pub(crate) fn before(&self, corner: u32) -> u32 {
+        let points = index_u32(self.corner_count() / 2);
+        2 * (corner % points).saturating_sub(1)
     }
 
     /// Returns the edges around a corner on the sweep's boundary, counterclockwise, each with the
     /// facet that follows.
     pub(crate) fn fan(&self, corner: u32) -> Vec<(u32, u32)> {
-        let leaving = |edge: &SweepEdge| {
-            // The facets on the left and on the right, seen from the corner.
+        // The facets on the left and on the right, seen from the corner.
+        let beside = |edge: &SweepEdge| {
             let [left, right] = edge.facets;
             if edge.ends[0] == corner {
                 [left, right]
@@ -119,11 +124,10 @@ impl Facets {
         };
         let own = (0..).zip(&self.edges);
         let own = own.filter(|(_, e)| e.ends.contains(&corner) && e.facets != [NO_FACET; 2]);
-        let mut own: Vec<(u32, [u32; 2])> = own.map(|(i, e)| (i, leaving(e))).collect();
+        let own: Vec<(u32, [u32; 2])> = own.map(|(i, e)| (i, beside(e))).collect();
         let mut fan = Vec::with_capacity(own.len());
         let mut behind = NO_FACET;
-        while let Some(i) = own.iter().position(|(_, facets)| facets[1] == behind) {
-            let (edge, [ahead, _]) = own.swap_remove(i);
+        while let Some(&(edge, [ahead, _])) = own.iter().find(|(_, facets)| facets[1] == behind) {
             fan.push((edge, ahead));
             behind = ahead;
             if ahead == NO_FACET {

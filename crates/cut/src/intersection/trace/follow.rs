@@ -245,7 +245,7 @@ impl Trace {
         let next = self.segments.iter().position(|s| s.from == last);
         let next = next.filter(|_| !part.is_ring());
         // The facets on the inner side of each edge, and the one in which the curve goes on.
-        let mut facet = 2 * part.corners[0].saturating_sub(1);
+        let mut facet = facets.before(part.corners[0]);
         let mut edges = part.edges();
         for &vertex in &part.vertices {
             facet = match (edges.next(), next) {

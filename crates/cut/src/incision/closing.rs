@@ -1,0 +1,178 @@
+//! [`Closing`]: a step that closes a cut at the place where it began.
+
+use super::columns::Column;
+use super::lead::{Lead, MIN_MOTION};
+use super::line::offset;
+use super::map::BladeMap;
+use super::path::vanishing_part;
+use super::{Incision, PATH_WIDTH, TipPoint};
+use incise_mesh::geometry::{to_f32, to_f64};
+use incise_mesh::{Surface, Vec3, VertexId};
+
+/// The end of a cut at the border of its own slit, along which both walls meet.
+///
+/// A blade that comes around passes close by that border and hits it nowhere exactly. So the step
+/// ends at its vertices, and the piece inside comes free.
+#[derive(Debug)]
+pub(super) struct Closing {
+    /// The vertices of the border, from the surface to the level of the blade's end in the body.
+    pub(super) border: Vec<VertexId>,
+    /// The blade as it passes the border \[m\].
+    pub(super) blade: Vec<[f32; 3]>,
+}
+
+impl Incision {
+    /// Returns how a motion to a new pose closes the cut, if the blade passes the border behind its
+    /// end in the body, ahead of the tip.
+    ///
+    /// The tip must have one part that ends in the body.
+    pub(super) fn closing(
+        &self,
+        surface: &Surface,
+        map: &BladeMap,
+        leads: &[Lead],
+        blade: &[[f32; 3]],
+    ) -> Option<Closing> {
+        let last = self.tip.len() - 1;
+        let [first_is_inner, last_is_inner] = [0, last].map(|i| self.tip[i].is_inner);
+        let is_one = self.tip[..last].iter().all(|point| point.is_joined);
+        if !is_one || first_is_inner == last_is_inner {
+            return None;
+        }
+        let [at_surface, inner] = if first_is_inner { [last, 0] } else { [0, last] };
+        let border = &self.borders[usize::from(last_is_inner)];
+        if !is_chain(surface, border) || border.last() != Some(&self.tip[inner].vertex) {
+            return None;
+        }
+        let place = |v: VertexId| map.vertex(surface, v);
+        let tip = self.tip.iter().map(|point| to_f32(place(point.vertex)));
+        let tip: Vec<[f32; 3]> = tip.collect();
+        let line = map.line(blade);
+        let end = if first_is_inner {
+            line[0]
+        } else {
+            line[line.len() - 1]
+        }
+        .1;
+        let line: Vec<[f32; 3]> = line.into_iter().map(|(_, point)| to_f32(point)).collect();
+        // The way of the blade's end, and the place of the border level with it.
+        let way = [place(self.tip[inner].vertex), end];
+        let off = |i: &usize| distance(way, place(border[*i]));
+        let mut level = (1..border.len()).min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        // An edge of the border to the tip is opened with it.
+        if level + 2 == border.len() {
+            level += 1;
+        }
+        let ends = [border[0], border[level]].map(place);
+        let width = PATH_WIDTH * self.local;
+        let [from, to] = [&tip, &line].map(|line| ends.map(|p| offset(line, p)));
+        let part = vanishing_part(from, to, 0.0, [[width; 2]; 2])?;
+        let least = MIN_MOTION * self.local;
+        let is_ahead = |k: usize, lead: &Lead| -from[k].dot(&lead.ahead) >= least;
+        let is_ahead = is_ahead(0, &leads[at_surface])
+            && (level + 1 == border.len() || is_ahead(1, &leads[inner]));
+        (is_ahead && off(&level) <= width).then(|| Closing {
+            border: border[..=level].to_vec(),
+            blade: between(&self.pose, blade, part),
+        })
+    }
+}
+
+impl Closing {
+    /// Returns the ends of the border along the blade, with the parameters of the tip's ends.
+    pub(super) fn ends(&self, tip: &[TipPoint]) -> [(VertexId, f64); 2] {
+        let [first, last] = [0, tip.len() - 1].map(|i| tip[i].parameter);
+        let [outer, inner] = [0, self.border.len() - 1].map(|i| self.border[i]);
+        if tip[0].is_inner {
+            [(inner, first), (outer, last)]
+        } else {
+            [(outer, first), (inner, last)]
+        }
+    }
+
+    /// Returns the columns from the tip to the border, with parameters of the tip.
+    ///
+    /// Vertices of both are level with each other by their parts of the way along them.
+    pub(super) fn columns(&self, surface: &Surface, tip: &[TipPoint]) -> Vec<Column> {
+        let is_reversed = tip[0].is_inner;
+        let mut tip: Vec<TipPoint> = tip.to_vec();
+        if is_reversed {
+            tip.reverse();
+        }
+        let vertices: Vec<VertexId> = tip.iter().map(|point| point.vertex).collect();
+        let [own, border] = [&vertices, &self.border].map(|line| parts(surface, line));
+        let mut columns = Vec::new();
+        let (mut i, mut j) = (0, 0);
+        loop {
+            let part = border[j].max(own[i]);
+            let parameter = match tip.get(i + 1) {
+                Some(next) => {
+                    let within = (part - own[i]) / (own[i + 1] - own[i]);
+                    tip[i].parameter + (next.parameter - tip[i].parameter) * within
+                }
+                None => tip[i].parameter,
+            };
+            let ends = [vertices[i], self.border[j]];
+            columns.push(Column::closing(surface, parameter, ends));
+            match [own.get(i + 1), border.get(j + 1)] {
+                [None, None] => break,
+                [Some(_), None] => i += 1,
+                [None, Some(_)] => j += 1,
+                [Some(a), Some(b)] => {
+                    i += usize::from(a <= b);
+                    j += usize::from(b <= a);
+                }
+            }
+        }
+        if is_reversed {
+            columns.reverse();
+        }
+        if let Some(last) = columns.last_mut() {
+            last.is_joined = false;
+        }
+        columns
+    }
+}
+
+/// Returns whether edges of the surface join some vertices, at least two.
+fn is_chain(surface: &Surface, vertices: &[VertexId]) -> bool {
+    let topology = surface.topology();
+    let is_known =
+        |v: &VertexId| v.index() < topology.vertex_slots() && !topology.outgoing(*v).is_null();
+    vertices.len() > 1
+        && vertices.iter().all(is_known)
+        && (vertices.windows(2)).all(|pair| topology.find_half_edge(pair[0], pair[1]).is_some())
+}
+
+/// Returns the part of the way along a line of vertices at which each is, 0 to 1.
+fn parts(surface: &Surface, line: &[VertexId]) -> Vec<f64> {
+    let mut sum = 0.0;
+    let mut parts = vec![0.0];
+    for pair in line.windows(2) {
+        let [a, b] = [pair[0], pair[1]].map(|v| surface.position(v));
+        sum += (b - a).norm();
+        parts.push(sum);
+    }
+    parts.iter_mut().for_each(|part| *part /= sum);
+    parts
+}
+
+/// Returns the distance of a point from a segment \[m\].
+fn distance([a, b]: [Vec3; 2], p: Vec3) -> f64 {
+    let along = b - a;
+    let part = along.dot(&(p - a)) / along.norm_squared();
+    let part = if part.is_nan() {
+        0.0
+    } else {
+        part.clamp(0.0, 1.0)
+    };
+    (a + along * part - p).norm()
+}
+
+/// Returns the pose between two at a part of the motion \[m\].
+fn between(from: &[[f32; 3]], to: &[[f32; 3]], part: f64) -> Vec<[f32; 3]> {
+    let points = from.iter().zip(to);
+    points
+        .map(|(&p, &q)| to_f32(to_f64(p) + (to_f64(q) - to_f64(p)) * part))
+        .collect()
+}
