@@ -63,7 +63,6 @@ pub struct Incision {
 /// Where a blade is after its last step, see [`Incision::state`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
 pub enum IncisionState {
     /// Outside of the body, and it has cut nothing since it was inside.
     #[default]

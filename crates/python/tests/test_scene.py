@@ -98,6 +98,27 @@ def test_a_blade_may_stop_inside_and_go_on(sphere: incise.Mesh) -> None:
         assert len(scene.piece_numbers(body)) == pieces
 
 
+def test_an_incision_tells_where_its_blade_is(sphere: incise.Mesh) -> None:
+    scene = incise.Scene(gravity=(0, 0, 0))
+    body = scene.add_body(sphere)
+    blade = scene.add_blade(edge(-2))
+    state = incise.IncisionState
+    assert scene.incision(blade, body) == (state.OUTSIDE, 0)
+    steps = [
+        (0.01, state.INSIDE),
+        (-2.0, state.ABANDONED),
+        (0.01, state.INSIDE),
+        (2.0, state.FINISHED),
+    ]
+    for x, expected in steps:
+        scene.move_blade(blade, edge(x))
+        scene.step()
+        assert scene.incision(blade, body) == incise.Incision(expected, refused_steps=0)
+    assert scene.incision(blade, body).state == "finished"
+    scene.teleport_blade(blade, edge(-2))
+    assert scene.incision(blade, body).state is state.OUTSIDE
+
+
 def test_a_teleported_blade_cuts_nothing(sphere: incise.Mesh) -> None:
     scene = incise.Scene(gravity=(0, 0, 0))
     scene.add_body(sphere)
@@ -200,6 +221,7 @@ def test_unknown_numbers_are_refused(sphere: incise.Mesh) -> None:
         lambda: scene.positions(0),
         lambda: scene.move_blade(0, edge(0)),
         lambda: scene.set_blade_face(0, None),
+        lambda: scene.incision(0, 0),
     ):
         with pytest.raises(incise.SceneError, match="does not exist"):
             call()

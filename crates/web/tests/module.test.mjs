@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import module from "./load.mjs";
 
-const { Mesh, Scene } = module;
+const { IncisionState, Mesh, Scene } = module;
 const TRIANGLE = new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]);
 
 /** Checks that a call throws an error with the text of the library, not a trap. */
@@ -127,6 +127,24 @@ test("hostile cuts and ids are exceptions", () => {
   scene.step();
   mesh.free();
   refuses(() => mesh.triangleCount, /moved value/);
+});
+
+test("an incision tells where its blade is", () => {
+  const scene = new Scene();
+  const body = scene.addBody(Mesh.model("Sphere768"));
+  scene.set({ gravity: [0, 0, 0] });
+  const blade = scene.addBlade(new Float32Array([-2, 0, -2, -2, 0, 2]));
+  assert.equal(scene.incision(blade, body).state, IncisionState.Outside);
+  const { Inside, Abandoned, Finished } = IncisionState;
+  for (const [x, state] of [[0, Inside], [-2, Abandoned], [0, Inside], [2, Finished]]) {
+    scene.moveBlade(blade, new Float32Array([x, 0, -2, x, 0, 2]));
+    scene.step();
+    assert.equal(scene.incision(blade, body).state, state, `${x}`);
+    assert.equal(scene.incision(blade, body).refusedSteps, 0);
+  }
+  assert.equal(IncisionState[Finished], "Finished");
+  refuses(() => scene.incision(5, body), /no blade 5/);
+  refuses(() => scene.incision(blade, 5), /no body 5/);
 });
 
 test("a loaded scene goes on with the same bits", () => {

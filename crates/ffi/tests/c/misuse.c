@@ -179,6 +179,42 @@ static void saved(incise_scene *scene, uint32_t body) {
     OK(incise_scene_free(loaded));
 }
 
+/* Moves a blade along x into a ball, and compares the state of its incision. */
+static void incise_to(incise_scene *scene, uint32_t blade, uint32_t body, float x,
+                      incise_incision_state state) {
+    const float edge[6] = {x, 0, -2, x, 0, 2};
+    incise_incision incision;
+    OK(incise_scene_move_blade(scene, blade, edge));
+    OK(incise_scene_step(scene, NULL));
+    OK(incise_scene_incision(scene, blade, body, &incision));
+    if (incision.state != state || incision.refused_steps != 0)
+        failures++, printf("state %d of an incision, not %d\n", incision.state, state);
+}
+
+static void incisions(void) {
+    incise_scene *scene;
+    incise_mesh *mesh;
+    uint32_t blade, body;
+    incise_incision incision;
+    const float edge[6] = {-2, 0, -2, -2, 0, 2};
+    OK(incise_scene_new(NULL, &scene));
+    OK(incise_scene_set(scene, "gravity", "0,0,0"));
+    OK(incise_mesh_model("Sphere768", &mesh));
+    OK(incise_scene_add_body(scene, mesh, NULL, &body));
+    OK(incise_mesh_free(mesh));
+    OK(incise_scene_add_blade(scene, edge, &blade));
+    EXPECT(incise_scene_incision(scene, blade, body, NULL), NULL_POINTER, "out");
+    EXPECT(incise_scene_incision(scene, blade + 1, body, &incision), OUT_OF_RANGE, "blade 1");
+    EXPECT(incise_scene_incision(scene, blade, body + 1, &incision), OUT_OF_RANGE, "body 1");
+    OK(incise_scene_incision(scene, blade, body, &incision));
+    if (incision.state != INCISE_INCISION_STATE_OUTSIDE) failures++, printf("no incision\n");
+    incise_to(scene, blade, body, 0, INCISE_INCISION_STATE_INSIDE);
+    incise_to(scene, blade, body, -2, INCISE_INCISION_STATE_ABANDONED);
+    incise_to(scene, blade, body, 0, INCISE_INCISION_STATE_INSIDE);
+    incise_to(scene, blade, body, 2, INCISE_INCISION_STATE_FINISHED);
+    OK(incise_scene_free(scene));
+}
+
 static void scenes(void) {
     incise_scene_params params;
     OK(incise_scene_params_init(&params));
@@ -300,6 +336,7 @@ int main(void) {
     threads();
     meshes();
     cuts();
+    incisions();
     scenes();
     if (incise_live_handles() != 0) failures++, printf("handles are left\n");
     printf("%d failures\n", failures);

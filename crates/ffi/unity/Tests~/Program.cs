@@ -208,6 +208,32 @@ static class Program
         }
     }
 
+    static void IncisionsHaveStates()
+    {
+        using (var scene = new Scene())
+        using (Surface ball = Surface.Model("Sphere768"))
+        {
+            uint body = scene.AddBody(ball);
+            uint blade = scene.AddBlade(new float[] { -2, 0, -2, -2, 0, 2 });
+            Expect(scene.Incision(blade, body).State == IncisionState.Outside, "no incision");
+            MoveTo(scene, blade, body, 0, IncisionState.Inside);
+            MoveTo(scene, blade, body, -2, IncisionState.Abandoned);
+            MoveTo(scene, blade, body, 0, IncisionState.Inside);
+            MoveTo(scene, blade, body, 2, IncisionState.Finished);
+            ExpectError(Status.OutOfRange, "blade 3", () => scene.Incision(3, body));
+            ExpectError(Status.OutOfRange, "body 3", () => scene.Incision(blade, 3));
+        }
+    }
+
+    static void MoveTo(Scene scene, uint blade, uint body, float x, IncisionState state)
+    {
+        scene.MoveBlade(blade, new float[] { x, 0, -2, x, 0, 2 });
+        scene.Step();
+        Incision incision = scene.Incision(blade, body);
+        Expect(incision.State == state && incision.RefusedSteps == 0,
+            incision.State + " is not " + state);
+    }
+
 #if INCISE_SPANS
     static void SpansAreArrays()
     {
@@ -258,6 +284,7 @@ static class Program
         }
         Errors();
         SceneIsSteppedAndCut();
+        IncisionsHaveStates();
 #if INCISE_SPANS
         SpansAreArrays();
 #endif

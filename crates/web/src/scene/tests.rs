@@ -63,6 +63,28 @@ fn a_full_slice_that_ends_inside_is_refused_and_a_progressive_one_is_not() {
 }
 
 #[test]
+fn an_incision_tells_where_its_blade_is() {
+    let (mut scene, body, blade) = scene();
+    let state = |scene: &Scene| scene.incision(blade, body).unwrap().state;
+    assert_eq!(state(&scene), IncisionState::Outside);
+    for (x, expected) in [
+        (0.0, IncisionState::Inside),
+        (-2.0, IncisionState::Abandoned),
+        (0.0, IncisionState::Inside),
+        (2.0, IncisionState::Finished),
+    ] {
+        let edge = [x, 0.0, -2.0, x, 0.0, 2.0];
+        scene.move_blade(blade, &edge).unwrap();
+        scene.step().unwrap();
+        assert_eq!(state(&scene), expected, "{x}");
+        assert_eq!(scene.incision(blade, body).unwrap().refused_steps, 0);
+    }
+    scene.teleport_blade(blade, &[-2.0; 6]).unwrap();
+    assert_eq!(state(&scene), IncisionState::Outside);
+    assert!(scene.incision(9.0, body).is_err() && scene.incision(blade, f64::NAN).is_err());
+}
+
+#[test]
 fn a_dragged_vertex_follows_and_is_released() {
     let (mut scene, body, _) = scene();
     let hit = scene.pick(body, &[0.0, 0.0, 5.0], &[0.0, 0.0, -1.0]);
