@@ -67,7 +67,7 @@ pub enum IncisionState {
     /// Outside of the body, and it has cut nothing since it was inside.
     #[default]
     Outside,
-    /// In the body, at the tip of its cut or behind it.
+    /// At the tip of its cut in the body, or behind it on the way in, which begins outside.
     Inside,
     /// Ahead of the tip, because the last step was refused. It is tried again from the same tip.
     Blocked,

@@ -166,7 +166,7 @@ typedef enum {
    */
   INCISE_INCISION_STATE_OUTSIDE = 0,
   /*
-   In the body, at the tip of its cut or behind it.
+   At the tip of its cut in the body, or behind it on the way in, which begins outside.
    */
   INCISE_INCISION_STATE_INSIDE = 1,
   /*

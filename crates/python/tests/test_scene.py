@@ -104,19 +104,18 @@ def test_an_incision_tells_where_its_blade_is(sphere: incise.Mesh) -> None:
     blade = scene.add_blade(edge(-2))
     state = incise.IncisionState
     assert scene.incision(blade, body) == (state.OUTSIDE, 0)
-    steps = [
-        (0.01, state.INSIDE),
-        (-2.0, state.ABANDONED),
-        (0.01, state.INSIDE),
-        (2.0, state.FINISHED),
-    ]
-    for x, expected in steps:
-        scene.move_blade(blade, edge(x))
+    for x, y, expected in [
+        (0.01, 0.1, state.INSIDE),
+        (2.0, 0.1, state.FINISHED),
+        (-2.0, 0.3, state.OUTSIDE),
+        (0.01, 0.3, state.INSIDE),
+        (-1.5, 1.2, state.ABANDONED),
+    ]:
+        move = scene.teleport_blade if expected is state.OUTSIDE else scene.move_blade
+        move(blade, [[x, y, -2.0], [x, y, 2.0]])
         scene.step()
         assert scene.incision(blade, body) == incise.Incision(expected, refused_steps=0)
-    assert scene.incision(blade, body).state == "finished"
-    scene.teleport_blade(blade, edge(-2))
-    assert scene.incision(blade, body).state is state.OUTSIDE
+    assert scene.incision(blade, body).state == "abandoned"
 
 
 def test_a_teleported_blade_cuts_nothing(sphere: incise.Mesh) -> None:

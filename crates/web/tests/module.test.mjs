@@ -135,13 +135,20 @@ test("an incision tells where its blade is", () => {
   scene.set({ gravity: [0, 0, 0] });
   const blade = scene.addBlade(new Float32Array([-2, 0, -2, -2, 0, 2]));
   assert.equal(scene.incision(blade, body).state, IncisionState.Outside);
-  const { Inside, Abandoned, Finished } = IncisionState;
-  for (const [x, state] of [[0, Inside], [-2, Abandoned], [0, Inside], [2, Finished]]) {
-    scene.moveBlade(blade, new Float32Array([x, 0, -2, x, 0, 2]));
+  const { Outside, Inside, Abandoned, Finished } = IncisionState;
+  const edge = (x, y) => new Float32Array([x, y, -2, x, y, 2]);
+  const moveTo = (x, y, state) => {
+    scene.moveBlade(blade, edge(x, y));
     scene.step();
-    assert.equal(scene.incision(blade, body).state, state, `${x}`);
-    assert.equal(scene.incision(blade, body).refusedSteps, 0);
-  }
+    const incision = scene.incision(blade, body);
+    assert.deepEqual([incision.state, incision.refusedSteps], [state, 0], `${x}, ${y}`);
+  };
+  moveTo(0, 0, Inside);
+  moveTo(2, 0, Finished);
+  scene.teleportBlade(blade, edge(-2, 0.2));
+  assert.equal(scene.incision(blade, body).state, Outside);
+  moveTo(0, 0.2, Inside);
+  moveTo(-1.5, 1.2, Abandoned);
   assert.equal(IncisionState[Finished], "Finished");
   refuses(() => scene.incision(5, body), /no blade 5/);
   refuses(() => scene.incision(blade, 5), /no body 5/);

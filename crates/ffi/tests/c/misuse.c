@@ -179,10 +179,10 @@ static void saved(incise_scene *scene, uint32_t body) {
     OK(incise_scene_free(loaded));
 }
 
-/* Moves a blade along x into a ball, and compares the state of its incision. */
-static void incise_to(incise_scene *scene, uint32_t blade, uint32_t body, float x,
+/* Moves a blade along z, and compares the state of its incision in a ball. */
+static void incise_to(incise_scene *scene, uint32_t blade, uint32_t body, float x, float y,
                       incise_incision_state state) {
-    const float edge[6] = {x, 0, -2, x, 0, 2};
+    const float edge[6] = {x, y, -2, x, y, 2};
     incise_incision incision;
     OK(incise_scene_move_blade(scene, blade, edge));
     OK(incise_scene_step(scene, NULL));
@@ -196,7 +196,7 @@ static void incisions(void) {
     incise_mesh *mesh;
     uint32_t blade, body;
     incise_incision incision;
-    const float edge[6] = {-2, 0, -2, -2, 0, 2};
+    const float edge[6] = {-2, 0, -2, -2, 0, 2}, above[6] = {-2, 0.2f, -2, -2, 0.2f, 2};
     OK(incise_scene_new(NULL, &scene));
     OK(incise_scene_set(scene, "gravity", "0,0,0"));
     OK(incise_mesh_model("Sphere768", &mesh));
@@ -208,10 +208,13 @@ static void incisions(void) {
     EXPECT(incise_scene_incision(scene, blade, body + 1, &incision), OUT_OF_RANGE, "body 1");
     OK(incise_scene_incision(scene, blade, body, &incision));
     if (incision.state != INCISE_INCISION_STATE_OUTSIDE) failures++, printf("no incision\n");
-    incise_to(scene, blade, body, 0, INCISE_INCISION_STATE_INSIDE);
-    incise_to(scene, blade, body, -2, INCISE_INCISION_STATE_ABANDONED);
-    incise_to(scene, blade, body, 0, INCISE_INCISION_STATE_INSIDE);
-    incise_to(scene, blade, body, 2, INCISE_INCISION_STATE_FINISHED);
+    incise_to(scene, blade, body, 0, 0, INCISE_INCISION_STATE_INSIDE);
+    incise_to(scene, blade, body, 2, 0, INCISE_INCISION_STATE_FINISHED);
+    OK(incise_scene_teleport_blade(scene, blade, above));
+    OK(incise_scene_incision(scene, blade, body, &incision));
+    if (incision.state != INCISE_INCISION_STATE_OUTSIDE) failures++, printf("a teleport\n");
+    incise_to(scene, blade, body, 0, 0.2f, INCISE_INCISION_STATE_INSIDE);
+    incise_to(scene, blade, body, -1.5f, 1.2f, INCISE_INCISION_STATE_ABANDONED);
     OK(incise_scene_free(scene));
 }
 

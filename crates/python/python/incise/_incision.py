@@ -12,7 +12,7 @@ class IncisionState(str, Enum):
     OUTSIDE = "outside"
     """Outside of the body, and it has cut nothing since it was inside."""
     INSIDE = "inside"
-    """In the body, at the tip of its cut or behind it."""
+    """At the tip of its cut in the body, or behind it on the way in, which begins outside."""
     BLOCKED = "blocked"
     """Ahead of the tip, because the last step was refused. It is tried again from the same tip."""
     FINISHED = "finished"
