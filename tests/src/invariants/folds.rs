@@ -30,8 +30,8 @@ pub fn assert_no_fold_added(
 
 /// Returns the edges at which a cut has folded the skin flat: in the present shape, then at rest.
 ///
-/// Parts of edges whose triangles faced away from each other before the cut are left out. So are
-/// walls and caps, which meet in folds at tips.
+/// Parts of edges whose triangles faced away from each other before the cut are left out, and of
+/// edges of a triangle without area. So are walls and caps, which meet in folds at tips.
 fn added_folds(
     before: &Surface,
     after: &Surface,
@@ -74,7 +74,7 @@ fn support(supports: &BTreeMap<VertexId, BTreeSet<VertexId>>, v: VertexId) -> BT
         .unwrap_or_else(|| BTreeSet::from([v]))
 }
 
-/// Returns whether a support is an edge whose triangles faced away from each other.
+/// Returns whether a support is an edge whose triangles faced away from each other, or nowhere.
 fn was_sharp(
     before: &Surface,
     support: &BTreeSet<VertexId>,
@@ -85,8 +85,10 @@ fn was_sharp(
     // Over all edges, since a vertex may have several fans.
     topology.edges().any(|h| {
         let twin = topology.twin(h);
-        !twin.is_null()
-            && BTreeSet::from([topology.origin(h), topology.target(h)]) == *support
-            && normal(h).dot(&normal(twin)) < 0.0
+        if twin.is_null() || BTreeSet::from([topology.origin(h), topology.target(h)]) != *support {
+            return false;
+        }
+        let normals = [h, twin].map(normal);
+        normals[0].dot(&normals[1]) < 0.0 || normals.contains(&Vec3::zeros())
     })
 }
