@@ -2,9 +2,11 @@
 
 mod delta;
 mod exact;
+mod folds;
 mod section;
 
 pub use exact::assert_caps_cover_section;
+pub use folds::assert_no_fold_added;
 
 use delta::assert_delta_matches;
 use exact::assert_exact;
@@ -109,6 +111,7 @@ fn euler_characteristic_of(surface: &Surface, part: &[TriangleId]) -> i64 {
 /// - the delta lists the whole difference and nothing else;
 /// - the Euler characteristic grows by that of the caps, which is 1 for a disk, less that of their
 ///   boundary, which is 0 for loops;
+/// - it folds the skin nowhere, see [`assert_no_fold_added`];
 /// - those of `invariants/exact.rs`.
 ///
 /// # Errors
@@ -129,12 +132,14 @@ pub fn cut_and_check(
         let added = euler_characteristic_of(surface, &outcome.cap)
             - boundary_characteristic_of(surface, &outcome.cap);
         assert_euler_characteristic(&before, surface, &outcome, added);
+        assert_no_fold_added(&before, surface, params, &outcome);
         assert_exact(&before, surface, sweep, params, &outcome);
     }
     Ok(outcome)
 }
 
-/// Cuts by the paper's method, and asserts the invariants of [`cut_and_check`] except for the last.
+/// Cuts by the paper's method, and asserts the invariants of [`cut_and_check`] except for the last
+/// two.
 ///
 /// # Errors
 /// [`PaperError`] of a failed cut.

@@ -13,8 +13,8 @@ pub use bodies::{
     Body, Deformation, Shape, any_body, large_body, self_intersecting_body, shells, small_body,
 };
 pub use invariants::{
-    assert_caps_cover_section, assert_closed_manifold, assert_same_bits, cut_and_check,
-    euler_characteristics, paper_cut_and_check,
+    assert_caps_cover_section, assert_closed_manifold, assert_no_fold_added, assert_same_bits,
+    cut_and_check, euler_characteristics, paper_cut_and_check,
 };
 pub use planes::{LARGE, Planes};
 

@@ -68,12 +68,11 @@ pub struct Incision {
 /// Where a blade is after its last step, see [`Incision::state`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
 pub enum IncisionState {
     /// Outside of the body, and it has cut nothing since it was inside.
     #[default]
     Outside,
-    /// In the body, at the tip of its cut or behind it.
+    /// At the tip of its cut in the body, or behind it on the way in, which begins outside.
     Inside,
     /// Ahead of the tip, because the last step was refused. It is tried again from the same tip.
     Blocked,

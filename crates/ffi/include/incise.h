@@ -158,6 +158,32 @@ typedef enum {
 } incise_status;
 
 /*
+ Where a blade is after its last step in a body.
+ */
+typedef enum {
+  /*
+   Outside of the body, and it has cut nothing since it was inside.
+   */
+  INCISE_INCISION_STATE_OUTSIDE = 0,
+  /*
+   At the tip of its cut in the body, or behind it on the way in, which begins outside.
+   */
+  INCISE_INCISION_STATE_INSIDE = 1,
+  /*
+   Ahead of the tip, because the last step was refused. It is tried again from the same tip.
+   */
+  INCISE_INCISION_STATE_BLOCKED = 2,
+  /*
+   Outside, and its cut is complete.
+   */
+  INCISE_INCISION_STATE_FINISHED = 3,
+  /*
+   Outside, and the tip of its cut is in the body.
+   */
+  INCISE_INCISION_STATE_ABANDONED = 4,
+} incise_incision_state;
+
+/*
  A cut copy of a mesh with its pieces, caps and origins of vertices.
  */
 typedef struct incise_cut_result incise_cut_result;
@@ -633,6 +659,20 @@ typedef struct {
    */
   float axes[6];
 } incise_collider;
+
+/*
+ The incision of a blade in a body.
+ */
+typedef struct {
+  /*
+   Where the blade is after its last step.
+   */
+  incise_incision_state state;
+  /*
+   Number of refused steps since the last one that cut.
+   */
+  uint32_t refused_steps;
+} incise_incision;
 
 /*
  Counters and times of a frame.
@@ -1143,6 +1183,16 @@ incise_status incise_scene_move_blade(incise_scene *scene, uint32_t blade, const
  Moves the edge of a blade without cutting, and ends its incisions.
  */
 incise_status incise_scene_teleport_blade(incise_scene *scene, uint32_t blade, const float *edge);
+
+/*
+ Writes the incision of a blade in a body: whether the blade is inside, and refused steps.
+
+ A blade that has cut nothing, or whose incisions have ended, is outside.
+ */
+incise_status incise_scene_incision(incise_scene *scene,
+                                    uint32_t blade,
+                                    uint32_t body,
+                                    incise_incision *out);
 
 /*
  Gives a blade a face that bodies collide with: the vector from its edge to its back, 3 floats

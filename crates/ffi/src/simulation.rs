@@ -4,6 +4,7 @@ use crate::handles::Object;
 use crate::memory::{check_finite, count};
 use crate::params::SceneParams;
 use crate::status::{Error, Status};
+use incise::cut::Incision;
 use incise::mesh::{Surface, VertexId};
 use incise::params::{Params, Value};
 use incise::pbd::Material;
@@ -160,6 +161,12 @@ impl SceneObject {
             false => self.scene.teleport_blade(id, edge)?,
         }
         Ok(())
+    }
+
+    /// Returns the incision of a blade in a body; none before its first cut.
+    pub(crate) fn incision(&self, blade: u32, body: u32) -> Result<Option<&Incision>, Error> {
+        let (blade, body) = (self.blade_id(blade)?, self.body_id(body)?);
+        Ok(self.scene.incision(blade, body)?)
     }
 
     pub(crate) fn set_blade_face(

@@ -13,7 +13,7 @@ pub use incise_scene as scene;
 
 /// The types that a first scene needs.
 pub mod prelude {
-    pub use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Sweep};
+    pub use incise_cut::{CutError, CutOutcome, CutParams, Cutter, Incision, IncisionState, Sweep};
     pub use incise_mesh::{Surface, Vec3, VertexId, icosphere};
     #[cfg(feature = "io")]
     pub use incise_mesh::{read_mesh, write_obj};

@@ -11,6 +11,7 @@ mod attributes;
 mod channels;
 mod corner_values;
 mod exchange;
+mod folds;
 mod origin;
 mod parts;
 mod validate;

@@ -98,6 +98,26 @@ def test_a_blade_may_stop_inside_and_go_on(sphere: incise.Mesh) -> None:
         assert len(scene.piece_numbers(body)) == pieces
 
 
+def test_an_incision_tells_where_its_blade_is(sphere: incise.Mesh) -> None:
+    scene = incise.Scene(gravity=(0, 0, 0))
+    body = scene.add_body(sphere)
+    blade = scene.add_blade(edge(-2))
+    state = incise.IncisionState
+    assert scene.incision(blade, body) == (state.OUTSIDE, 0)
+    for x, y, expected in [
+        (0.01, 0.1, state.INSIDE),
+        (2.0, 0.1, state.FINISHED),
+        (-2.0, 0.3, state.OUTSIDE),
+        (0.01, 0.3, state.INSIDE),
+        (-1.5, 1.2, state.ABANDONED),
+    ]:
+        move = scene.teleport_blade if expected is state.OUTSIDE else scene.move_blade
+        move(blade, [[x, y, -2.0], [x, y, 2.0]])
+        scene.step()
+        assert scene.incision(blade, body) == incise.Incision(expected, refused_steps=0)
+    assert scene.incision(blade, body).state == "abandoned"
+
+
 def test_a_teleported_blade_cuts_nothing(sphere: incise.Mesh) -> None:
     scene = incise.Scene(gravity=(0, 0, 0))
     scene.add_body(sphere)
@@ -200,6 +220,7 @@ def test_unknown_numbers_are_refused(sphere: incise.Mesh) -> None:
         lambda: scene.positions(0),
         lambda: scene.move_blade(0, edge(0)),
         lambda: scene.set_blade_face(0, None),
+        lambda: scene.incision(0, 0),
     ):
         with pytest.raises(incise.SceneError, match="does not exist"):
             call()

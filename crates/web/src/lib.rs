@@ -12,4 +12,4 @@ mod scene;
 pub use error::WebError;
 pub use mesh::Mesh;
 pub use report::MeshReport;
-pub use scene::{Pick, Scene};
+pub use scene::{Incision, IncisionState, Pick, Scene};

@@ -9,6 +9,7 @@ use crate::arguments::{
 };
 use crate::error::WebError;
 use crate::mesh::Mesh;
+pub use blades::{Incision, IncisionState};
 use buffers::BodyBuffers;
 use incise::mesh::{Vec3, VertexId};
 use incise::params::{Report, Value};

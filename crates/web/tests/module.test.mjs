@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import module from "./load.mjs";
 
-const { Mesh, Scene } = module;
+const { IncisionState, Mesh, Scene } = module;
 const TRIANGLE = new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]);
 
 /** Checks that a call throws an error with the text of the library, not a trap. */
@@ -127,6 +127,31 @@ test("hostile cuts and ids are exceptions", () => {
   scene.step();
   mesh.free();
   refuses(() => mesh.triangleCount, /moved value/);
+});
+
+test("an incision tells where its blade is", () => {
+  const scene = new Scene();
+  const body = scene.addBody(Mesh.model("Sphere768"));
+  scene.set({ gravity: [0, 0, 0] });
+  const blade = scene.addBlade(new Float32Array([-2, 0, -2, -2, 0, 2]));
+  assert.equal(scene.incision(blade, body).state, IncisionState.Outside);
+  const { Outside, Inside, Abandoned, Finished } = IncisionState;
+  const edge = (x, y) => new Float32Array([x, y, -2, x, y, 2]);
+  const moveTo = (x, y, state) => {
+    scene.moveBlade(blade, edge(x, y));
+    scene.step();
+    const incision = scene.incision(blade, body);
+    assert.deepEqual([incision.state, incision.refusedSteps], [state, 0], `${x}, ${y}`);
+  };
+  moveTo(0, 0, Inside);
+  moveTo(2, 0, Finished);
+  scene.teleportBlade(blade, edge(-2, 0.2));
+  assert.equal(scene.incision(blade, body).state, Outside);
+  moveTo(0, 0.2, Inside);
+  moveTo(-1.5, 1.2, Abandoned);
+  assert.equal(IncisionState[Finished], "Finished");
+  refuses(() => scene.incision(5, body), /no blade 5/);
+  refuses(() => scene.incision(blade, 5), /no body 5/);
 });
 
 test("a loaded scene goes on with the same bits", () => {

@@ -2,7 +2,7 @@
 
 use super::case::{body, vector};
 use super::run::{Done, bend, undo_cut};
-use crate::{Body, assert_closed_manifold, assert_same_bits};
+use crate::{Body, assert_closed_manifold, assert_no_fold_added, assert_same_bits};
 use arbitrary::{Arbitrary, Result, Unstructured};
 use incise_cut::{Caps, CutError, CutParams, Cutter, Incision};
 use incise_mesh::geometry::to_f32;
@@ -143,7 +143,10 @@ impl Run {
         let (before, incision) = (self.surface.clone(), self.incision.clone());
         let result = (self.cutter).advance(&mut self.surface, &mut self.incision, pose, params);
         let undo: Option<Undo> = match result {
-            Ok(outcome) => outcome.undo,
+            Ok(outcome) => {
+                assert_no_fold_added(&before, &self.surface, params, &outcome);
+                outcome.undo
+            }
             Err(CutError::Refine(error)) => panic!("the section cannot be refined: {error}"),
             Err(_) => {
                 self.incision.restart(pose);

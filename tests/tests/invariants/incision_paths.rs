@@ -4,7 +4,9 @@ use incise_cut::{Caps, CutError, CutParams, Cutter, Incision};
 use incise_mesh::{Surface, TriangleId};
 use incise_pbd_gpu::{Material, Solver};
 use incise_refine::RefineParams;
-use incise_tests::{Body, Deformation, Shape, any_body, any_level, assert_same_bits, cases};
+use incise_tests::{
+    Body, Deformation, Shape, any_body, any_level, assert_no_fold_added, assert_same_bits, cases,
+};
 use proptest::prelude::*;
 
 /// Checks everything that holds after each step, closed bodies or sheets.
@@ -55,6 +57,7 @@ fn follow(mut surface: Surface, mut places: Edge, moves: &[Edge], params: &CutPa
             Ok(outcome) => {
                 is_closed &= params.caps != Caps::None;
                 check(&surface, &cutter, is_closed);
+                assert_no_fold_added(&before, &surface, params, &outcome);
                 if let Some(solver) = &mut solver {
                     solver
                         .apply_delta(&mut surface, &outcome.delta)

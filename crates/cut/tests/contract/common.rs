@@ -1,7 +1,6 @@
 //! Checks of cut surfaces that several tests share.
 
 use incise_cut::CutParams;
-use incise_mesh::geometry::area_vector;
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{HalfEdge, Surface};
 use std::collections::BTreeMap;
@@ -80,32 +79,11 @@ pub(crate) fn lattice_box(counts: [u16; 3], map: impl Fn([f64; 3]) -> [f64; 3]) 
     Surface::from_triangles(&positions, &triangles).unwrap()
 }
 
-/// Maximum distance of coplanar neighbors from the plane of one of them [length of the edges].
-const MAX_HEIGHT: f64 = 1e-5;
-
-/// Returns the edges at which the skin is folded flat at rest: between two coplanar triangles on
-/// the same side of the edge.
+/// Returns the edges at which the skin is folded flat at rest.
 ///
-/// Triangles without area are no fold. Walls are not asked, which meet like this at their tips.
-pub(crate) fn folds(surface: &Surface) -> Vec<HalfEdge> {
-    let topology = surface.topology();
-    let at = |h: HalfEdge| surface.rest_position(topology.origin(h));
-    let is_fold = |&h: &HalfEdge| {
-        let twin = topology.twin(h);
-        let is_skin =
-            |h: HalfEdge| surface.material(h.triangle()) != CutParams::default().cap_material;
-        if twin.is_null() || !is_skin(h) || !is_skin(twin) {
-            return false;
-        }
-        let [a, b, c, d] = [h, h.next(), h.prev(), twin.prev()].map(at);
-        let [m, n] = [[a, b, c], [b, a, d]].map(area_vector);
-        let size = (b - a).norm().max((c - a).norm()).max((d - a).norm());
-        let is_flat = |n: incise_mesh::Vec3| n.norm() <= MAX_HEIGHT * size * size;
-        let height = |n: incise_mesh::Vec3, p: incise_mesh::Vec3| n.dot(&(p - a)).abs() / n.norm();
-        !is_flat(m)
-            && !is_flat(n)
-            && m.dot(&n) < 0.0
-            && height(m, d).max(height(n, c)) <= MAX_HEIGHT * size
-    };
-    topology.edges().filter(is_fold).collect()
+/// Walls meet like this at their tips.
+pub(crate) fn skin_folds(surface: &Surface) -> Vec<HalfEdge> {
+    let is_skin = |h: HalfEdge| surface.material(h.triangle()) != CutParams::default().cap_material;
+    let is_between_skin = |&h: &HalfEdge| is_skin(h) && is_skin(surface.topology().twin(h));
+    surface.rest_folds().filter(is_between_skin).collect()
 }

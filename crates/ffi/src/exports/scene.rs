@@ -6,6 +6,7 @@ use crate::memory::{count, fixed, input, output, output_bytes, output_text, put,
 use crate::params::{Collider, SceneParams};
 use crate::simulation::{Scene, SceneObject};
 use crate::status::{Error, Status, call};
+use incise::cut;
 use incise::params::Report;
 use incise::scene;
 use std::ffi::c_char;
@@ -33,6 +34,44 @@ pub struct FrameStats {
     pub contact_seconds: f64,
     /// Time of the solver in seconds.
     pub solver_seconds: f64,
+}
+
+/// Where a blade is after its last step in a body.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum IncisionState {
+    /// Outside of the body, and it has cut nothing since it was inside.
+    Outside = 0,
+    /// At the tip of its cut in the body, or behind it on the way in, which begins outside.
+    Inside = 1,
+    /// Ahead of the tip, because the last step was refused. It is tried again from the same tip.
+    Blocked = 2,
+    /// Outside, and its cut is complete.
+    Finished = 3,
+    /// Outside, and the tip of its cut is in the body.
+    Abandoned = 4,
+}
+
+impl From<cut::IncisionState> for IncisionState {
+    fn from(state: cut::IncisionState) -> Self {
+        match state {
+            cut::IncisionState::Outside => Self::Outside,
+            cut::IncisionState::Inside => Self::Inside,
+            cut::IncisionState::Blocked => Self::Blocked,
+            cut::IncisionState::Finished => Self::Finished,
+            cut::IncisionState::Abandoned => Self::Abandoned,
+        }
+    }
+}
+
+/// The incision of a blade in a body.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Incision {
+    /// Where the blade is after its last step.
+    pub state: IncisionState,
+    /// Number of refused steps since the last one that cut.
+    pub refused_steps: u32,
 }
 
 /// Writes the default parameters of scenes.
@@ -199,6 +238,29 @@ pub unsafe extern "C" fn incise_scene_teleport_blade(
         let edge = unsafe { fixed(edge, "edge")? };
         with(scene, |scene: &mut SceneObject| {
             scene.move_blade(blade, edge, false)
+        })
+    })
+}
+
+/// Writes the incision of a blade in a body: whether the blade is inside, and refused steps.
+///
+/// A blade that has cut nothing, or whose incisions have ended, is outside.
+#[unsafe(no_mangle)]
+pub extern "C" fn incise_scene_incision(
+    scene: *mut Scene,
+    blade: u32,
+    body: u32,
+    out: Option<&mut MaybeUninit<Incision>>,
+) -> Status {
+    call(|| {
+        with(scene, |scene: &mut SceneObject| {
+            let incision = scene.incision(blade, body)?;
+            let state = incision.map(cut::Incision::state).unwrap_or_default();
+            let values = Incision {
+                state: state.into(),
+                refused_steps: incision.map_or(0, cut::Incision::refused_steps),
+            };
+            put(out, values, "out")
         })
     })
 }

@@ -179,6 +179,45 @@ static void saved(incise_scene *scene, uint32_t body) {
     OK(incise_scene_free(loaded));
 }
 
+/* Moves a blade along z, and compares the state of its incision in a ball. */
+static void incise_to(incise_scene *scene, uint32_t blade, uint32_t body, float x, float y,
+                      incise_incision_state state) {
+    const float edge[6] = {x, y, -2, x, y, 2};
+    incise_incision incision;
+    OK(incise_scene_move_blade(scene, blade, edge));
+    OK(incise_scene_step(scene, NULL));
+    OK(incise_scene_incision(scene, blade, body, &incision));
+    if (incision.state != state || incision.refused_steps != 0)
+        failures++, printf("state %d of an incision, not %d\n", incision.state, state);
+}
+
+static void incisions(void) {
+    incise_scene *scene;
+    incise_mesh *mesh;
+    uint32_t blade, body;
+    incise_incision incision;
+    const float edge[6] = {-2, 0, -2, -2, 0, 2}, above[6] = {-2, 0.2f, -2, -2, 0.2f, 2};
+    OK(incise_scene_new(NULL, &scene));
+    OK(incise_scene_set(scene, "gravity", "0,0,0"));
+    OK(incise_mesh_model("Sphere768", &mesh));
+    OK(incise_scene_add_body(scene, mesh, NULL, &body));
+    OK(incise_mesh_free(mesh));
+    OK(incise_scene_add_blade(scene, edge, &blade));
+    EXPECT(incise_scene_incision(scene, blade, body, NULL), NULL_POINTER, "out");
+    EXPECT(incise_scene_incision(scene, blade + 1, body, &incision), OUT_OF_RANGE, "blade 1");
+    EXPECT(incise_scene_incision(scene, blade, body + 1, &incision), OUT_OF_RANGE, "body 1");
+    OK(incise_scene_incision(scene, blade, body, &incision));
+    if (incision.state != INCISE_INCISION_STATE_OUTSIDE) failures++, printf("no incision\n");
+    incise_to(scene, blade, body, 0, 0, INCISE_INCISION_STATE_INSIDE);
+    incise_to(scene, blade, body, 2, 0, INCISE_INCISION_STATE_FINISHED);
+    OK(incise_scene_teleport_blade(scene, blade, above));
+    OK(incise_scene_incision(scene, blade, body, &incision));
+    if (incision.state != INCISE_INCISION_STATE_OUTSIDE) failures++, printf("a teleport\n");
+    incise_to(scene, blade, body, 0, 0.2f, INCISE_INCISION_STATE_INSIDE);
+    incise_to(scene, blade, body, -1.5f, 1.2f, INCISE_INCISION_STATE_ABANDONED);
+    OK(incise_scene_free(scene));
+}
+
 static void scenes(void) {
     incise_scene_params params;
     OK(incise_scene_params_init(&params));
@@ -300,6 +339,7 @@ int main(void) {
     threads();
     meshes();
     cuts();
+    incisions();
     scenes();
     if (incise_live_handles() != 0) failures++, printf("handles are left\n");
     printf("%d failures\n", failures);

@@ -266,6 +266,8 @@ namespace Incise
             SceneHandle scene, uint blade, float[] edge);
         [DllImport(Dll)] internal static extern Status incise_scene_teleport_blade(
             SceneHandle scene, uint blade, float[] edge);
+        [DllImport(Dll)] internal static extern Status incise_scene_incision(
+            SceneHandle scene, uint blade, uint body, out Incision incision);
         [DllImport(Dll)] internal static extern Status incise_scene_set_blade_face(
             SceneHandle scene, uint blade, float[] face);
         [DllImport(Dll)] internal static extern Status incise_scene_step(

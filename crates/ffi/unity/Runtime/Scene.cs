@@ -110,6 +110,14 @@ namespace Incise
             Native.Check(Native.incise_scene_teleport_blade(handle, blade, edge));
         }
 
+        /// <summary>Returns whether a blade is inside a body, and its refused steps.</summary>
+        public Incision Incision(uint blade, uint body)
+        {
+            Incision incision;
+            Native.Check(Native.incise_scene_incision(handle, blade, body, out incision));
+            return incision;
+        }
+
         /// <summary>Gives a blade a face, the vector from edge to back; null removes it.</summary>
         public void SetBladeFace(uint blade, float[] face)
         {

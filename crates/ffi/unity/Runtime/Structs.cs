@@ -220,6 +220,30 @@ namespace Incise
         public double CutSeconds, ContactSeconds, SolverSeconds;
     }
 
+    /// <summary>Where a blade is after its last step in a body.</summary>
+    public enum IncisionState : uint
+    {
+        /// <summary>Outside, and it has cut nothing since it was inside.</summary>
+        Outside = 0,
+        /// <summary>At the tip of its cut in the body, or behind it on the way in, which begins outside.</summary>
+        Inside = 1,
+        /// <summary>Ahead of the tip, because the last step was refused.</summary>
+        Blocked = 2,
+        /// <summary>Outside, and its cut is complete.</summary>
+        Finished = 3,
+        /// <summary>Outside, and the tip of its cut is in the body.</summary>
+        Abandoned = 4,
+    }
+
+    /// <summary>The incision of a blade in a body.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct Incision
+    {
+        public IncisionState State;
+        /// <summary>Number of refused steps since the last one that cut.</summary>
+        public uint RefusedSteps;
+    }
+
     /// <summary>Counts of a body.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct BodyCounts

@@ -208,6 +208,37 @@ static class Program
         }
     }
 
+    static void IncisionsHaveStates()
+    {
+        SceneParams parameters = SceneParams.Default;
+        parameters.GravityY = 0;
+        using (var scene = new Scene(parameters))
+        using (Surface ball = Surface.Model("Sphere768"))
+        {
+            uint body = scene.AddBody(ball);
+            uint blade = scene.AddBlade(new float[] { -2, 0, -2, -2, 0, 2 });
+            Expect(scene.Incision(blade, body).State == IncisionState.Outside, "no incision");
+            MoveTo(scene, blade, body, 0, 0, IncisionState.Inside);
+            MoveTo(scene, blade, body, 2, 0, IncisionState.Finished);
+            scene.TeleportBlade(blade, new float[] { -2, 0.2f, -2, -2, 0.2f, 2 });
+            Expect(scene.Incision(blade, body).State == IncisionState.Outside, "a teleport");
+            MoveTo(scene, blade, body, 0, 0.2f, IncisionState.Inside);
+            MoveTo(scene, blade, body, -1.5f, 1.2f, IncisionState.Abandoned);
+            ExpectError(Status.OutOfRange, "blade 3", () => scene.Incision(3, body));
+            ExpectError(Status.OutOfRange, "body 3", () => scene.Incision(blade, 3));
+        }
+    }
+
+    static void MoveTo(
+        Scene scene, uint blade, uint body, float x, float y, IncisionState state)
+    {
+        scene.MoveBlade(blade, new[] { x, y, -2, x, y, 2 });
+        scene.Step();
+        Incision incision = scene.Incision(blade, body);
+        Expect(incision.State == state && incision.RefusedSteps == 0,
+            incision.State + " is not " + state);
+    }
+
 #if INCISE_SPANS
     static void SpansAreArrays()
     {
@@ -258,6 +289,7 @@ static class Program
         }
         Errors();
         SceneIsSteppedAndCut();
+        IncisionsHaveStates();
 #if INCISE_SPANS
         SpansAreArrays();
 #endif

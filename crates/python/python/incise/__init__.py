@@ -24,6 +24,7 @@ from ._incise import (
     __version__,
     model,
 )
+from ._incision import Incision, IncisionState
 from ._paper_table import PAPER_TABLE, PaperRow, paper_table
 
 __all__ = [
@@ -35,6 +36,8 @@ __all__ = [
     "FileError",
     "FillError",
     "FrameStats",
+    "Incision",
+    "IncisionState",
     "Mesh",
     "PaperRow",
     "RayHit",

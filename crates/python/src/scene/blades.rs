@@ -5,6 +5,7 @@ use crate::arrays::{edge, vector};
 use crate::colliders::collider;
 use crate::error::OrRaise;
 use crate::params::choice;
+use incise::cut::{Incision, IncisionState};
 use incise::scene::{BladeId, BladeMode};
 use pyo3::prelude::*;
 
@@ -12,6 +13,17 @@ impl Scene {
     fn blade_id(&self, blade: Number) -> PyResult<BladeId> {
         let id = self.scene.blades().nth(blade.0);
         id.ok_or_else(|| unknown("blade", blade.0))
+    }
+}
+
+/// Returns the value of a state in Python.
+const fn name(state: IncisionState) -> &'static str {
+    match state {
+        IncisionState::Outside => "outside",
+        IncisionState::Inside => "inside",
+        IncisionState::Blocked => "blocked",
+        IncisionState::Finished => "finished",
+        IncisionState::Abandoned => "abandoned",
     }
 }
 
@@ -50,6 +62,24 @@ impl Scene {
         self.scene
             .teleport_blade(self.blade_id(blade)?, edge)
             .or_raise()
+    }
+
+    /// Returns the incision of a blade in a body: `state` and `refused_steps`.
+    ///
+    /// A blade that has cut nothing, or whose incisions have ended, is `IncisionState.OUTSIDE`.
+    fn incision<'py>(
+        &self,
+        py: Python<'py>,
+        blade: Number,
+        body: Number,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (blade, body) = (self.blade_id(blade)?, self.body_id(body)?);
+        let incision = self.scene.incision(blade, body).or_raise()?;
+        let state = incision.map(Incision::state).unwrap_or_default();
+        let refused_steps = incision.map_or(0, Incision::refused_steps);
+        let module = py.import("incise._incision")?;
+        let state = module.call_method1("IncisionState", (name(state),))?;
+        module.call_method1("Incision", (state, refused_steps))
     }
 
     /// Gives a blade a face, the vector from its edge to its back [m], which pushes bodies.

@@ -4,12 +4,54 @@ use super::{Scene, index};
 use crate::arguments::{EDGE, copy_f32, edge, index_of, value};
 use crate::colliders::colliders;
 use crate::error::WebError;
+use incise::cut;
 use incise::params::Value;
 use incise::prelude::{BladeId, BladeMode};
 use incise::scene::Blade;
 use js_sys::Float32Array;
 use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
+
+/// Where a blade is after its last step in a body.
+#[wasm_bindgen]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum IncisionState {
+    /// Outside of the body, and it has cut nothing since it was inside.
+    Outside,
+    /// At the tip of its cut in the body, or behind it on the way in, which begins outside.
+    Inside,
+    /// Ahead of the tip, because the last step was refused. It is tried again from the same tip.
+    Blocked,
+    /// Outside, and its cut is complete.
+    Finished,
+    /// Outside, and the tip of its cut is in the body.
+    Abandoned,
+}
+
+impl From<cut::IncisionState> for IncisionState {
+    fn from(state: cut::IncisionState) -> Self {
+        match state {
+            cut::IncisionState::Outside => Self::Outside,
+            cut::IncisionState::Inside => Self::Inside,
+            cut::IncisionState::Blocked => Self::Blocked,
+            cut::IncisionState::Finished => Self::Finished,
+            cut::IncisionState::Abandoned => Self::Abandoned,
+        }
+    }
+}
+
+/// The incision of a blade in a body.
+#[wasm_bindgen]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Incision {
+    /// Where the blade is after its last step.
+    #[wasm_bindgen(readonly)]
+    pub state: IncisionState,
+    /// Number of refused steps since the last one that cut.
+    #[wasm_bindgen(readonly, js_name = refusedSteps)]
+    pub refused_steps: u32,
+}
 
 #[wasm_bindgen]
 impl Scene {
@@ -49,6 +91,22 @@ impl Scene {
         from_to: &Float32Array,
     ) -> Result<(), WebError> {
         self.teleport_blade(blade, &copy_f32("the edge", from_to, Some(EDGE))?)
+    }
+
+    /// Returns the incision of a blade in a body.
+    ///
+    /// A blade that has cut nothing, or whose incisions have ended, is `IncisionState.Outside`.
+    ///
+    /// # Errors
+    /// Throws for an unknown blade or body.
+    pub fn incision(&self, blade: f64, body: f64) -> Result<Incision, WebError> {
+        let (blade, body) = (self.blade_of(blade)?, self.body_of(body)?.id);
+        let incision = self.simulation.incision(blade, body)?;
+        let state = incision.map(cut::Incision::state).unwrap_or_default();
+        Ok(Incision {
+            state: state.into(),
+            refused_steps: incision.map_or(0, cut::Incision::refused_steps),
+        })
     }
 
     /// Sets whether a blade cuts full slices alone: a sweep that ends inside a body is refused.

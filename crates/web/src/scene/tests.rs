@@ -63,6 +63,27 @@ fn a_full_slice_that_ends_inside_is_refused_and_a_progressive_one_is_not() {
 }
 
 #[test]
+fn an_incision_tells_where_its_blade_is() {
+    let (mut scene, body, blade) = scene();
+    let state = |scene: &Scene| scene.incision(blade, body).unwrap().state;
+    assert_eq!(state(&scene), IncisionState::Outside);
+    let edge = |x, y| [x, y, -2.0, x, y, 2.0];
+    let move_to = |scene: &mut Scene, x, y, expected| {
+        scene.move_blade(blade, &edge(x, y)).unwrap();
+        scene.step().unwrap();
+        assert_eq!(state(scene), expected, "{x}, {y}");
+        assert_eq!(scene.incision(blade, body).unwrap().refused_steps, 0);
+    };
+    move_to(&mut scene, 0.0, 0.0, IncisionState::Inside);
+    move_to(&mut scene, 2.0, 0.0, IncisionState::Finished);
+    scene.teleport_blade(blade, &edge(-2.0, 0.2)).unwrap();
+    assert_eq!(state(&scene), IncisionState::Outside);
+    move_to(&mut scene, 0.0, 0.2, IncisionState::Inside);
+    move_to(&mut scene, -1.5, 1.2, IncisionState::Abandoned);
+    assert!(scene.incision(9.0, body).is_err() && scene.incision(blade, f64::NAN).is_err());
+}
+
+#[test]
 fn a_dragged_vertex_follows_and_is_released() {
     let (mut scene, body, _) = scene();
     let hit = scene.pick(body, &[0.0, 0.0, 5.0], &[0.0, 0.0, -1.0]);
