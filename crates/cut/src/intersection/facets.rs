@@ -11,6 +11,7 @@ mod predicates;
 #[cfg(test)]
 mod tests;
 
+use crate::sizing::RestShape;
 use crate::sweep::Sweep;
 use incise_mesh::geometry::{area_vector, to_f64};
 use incise_mesh::{HalfEdge, Vec3, VertexId, index_u32};
@@ -55,6 +56,15 @@ impl ContinuedTip {
     /// Returns whether the sweep is in the rest shape of the body.
     pub(crate) fn is_in_rest_shape(&self) -> bool {
         !self.present.is_empty()
+    }
+
+    /// Returns the shape in which rest positions are.
+    pub(crate) fn rest_shape(&self) -> RestShape {
+        if self.is_in_rest_shape() {
+            RestShape::Present
+        } else {
+            RestShape::Rest
+        }
     }
 }
 

@@ -249,7 +249,8 @@ impl Trace {
                 _ => 2 * corner.min(tip.last.saturating_sub(1)),
             };
             let vertex = tip.vertex(facets, corner);
-            self.nodes.push(Node::at_tip(surface, vertex, facet));
+            self.nodes
+                .push(Node::at_tip(surface, facets, vertex, facet));
         }
         next
     }
