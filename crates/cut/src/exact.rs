@@ -55,6 +55,7 @@ use section::{Rims, target_lengths};
 use snap::Snapper;
 use split::Splitter;
 pub(crate) use verify::has_walls;
+pub(crate) use walls::RimMove;
 use walls::{Around, Walls};
 use web_time::Instant;
 
@@ -131,6 +132,11 @@ impl Exact {
     pub(crate) fn sections(&self) -> impl Iterator<Item = (Section<'_>, &[f64])> {
         let sections = self.cap.section.sections().iter();
         sections.map(|section| (section.section(), section.lengths.as_slice()))
+    }
+
+    /// Returns the moves of vertices along the rim by the last cut, in their order.
+    pub(crate) fn rim_moves(&self) -> &[RimMove] {
+        self.walls.moved()
     }
 
     /// Forgets what is known about a surface that was edited by something else.

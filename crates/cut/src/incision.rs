@@ -11,6 +11,7 @@ mod piercings;
 
 #[cfg(feature = "serde")]
 use crate::error::CutError;
+use crate::exact::RimMove;
 use crate::sweep::Sweep;
 pub(crate) use approach::Approach;
 use columns::is_at_boundary;
@@ -169,10 +170,21 @@ impl Incision {
         self.pose.extend_from_slice(blade);
     }
 
+    /// Follows the vertices of the last tip and of the slit through a step.
+    ///
+    /// `copies` returns the two vertices that the step has made of one of the last tip.
+    pub(crate) fn open_path(
+        &mut self,
+        copies: impl Fn(VertexId) -> Option<[VertexId; 2]>,
+        moves: &[RimMove],
+    ) {
+        self.path.open_tip(copies);
+        self.path.follow(moves);
+    }
+
     /// Sets the pose and the tip after a step through edges of length `local` \[m\].
     ///
-    /// `moved` is the tip along the blade, without the vertices that kept their places. `copies`
-    /// returns the two vertices that the step has made of one of the last tip.
+    /// `moved` is the tip along the blade, without the vertices that kept their places.
     pub(crate) fn finish_step(
         &mut self,
         pose: &[[f32; 3]],
@@ -180,10 +192,8 @@ impl Incision {
         sweep: Option<Sweep>,
         local: f64,
         approach: &Approach,
-        copies: impl Fn(VertexId) -> Option<[VertexId; 2]>,
     ) {
         let tip = with_standing(moved, &approach.tip, &approach.stands);
-        self.path.open_tip(copies);
         if self.tip.is_empty() {
             self.path.start(&self.pose);
             self.local = 0.0;

@@ -159,8 +159,8 @@ impl Cutter {
                         let (facets, trace) = (&self.facets, &self.trace);
                         let tip = (self.exact).tip(surface, facets, trace, &stroke.parameters);
                         let copies = |v| self.exact.copies(trace, v);
-                        let local = trace.max_local();
-                        incision.finish_step(blade, tip, taken, local, approach, copies);
+                        incision.open_path(copies, self.exact.rim_moves());
+                        incision.finish_step(blade, tip, taken, trace.max_local(), approach);
                     } else if !incision.is_inside() {
                         incision.restart(blade);
                     }

@@ -6,8 +6,9 @@
 //! cancel, volumes stay.
 //!
 //! - [`collapse`]: all vertices of a point are contracted onto those of one neighbor. A point may go
-//!   only if the triangles around it have all their partners there too. So points on the surface,
-//!   along tips, and where three walls meet stay, and points of a crease move along it.
+//!   only if the triangles around it have all their partners there too. So points along tips and
+//!   where three walls meet stay, and points of a crease move along it. A point of a cut on the
+//!   skin moves along the rim where the skin is flat.
 //! - [`flip`]: the diagonal of two triangles and that of their partners are flipped, but not those of
 //!   the cut's own walls, whose triangles are mirror images corner by corner.
 //!
@@ -17,16 +18,17 @@
 mod collapse;
 mod flip;
 mod points;
+mod star;
 
 use super::open::Sides;
 use super::rim::Rim;
 use super::sparse_set::SparseSet;
 use crate::sizing::{self, RestShape};
-use collapse::Star;
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{Edit, HalfEdge, Surface, TriangleId, Vec3, VertexId};
 use incise_refine::RefineParams;
 use points::Points;
+use star::Star;
 
 /// Maximum displacement of a wall by an operation [target lengths].
 const MAX_OFFSET: f64 = 0.02;
@@ -49,6 +51,19 @@ pub(crate) struct Walls {
     queue: Vec<u32>,
     is_queued: Vec<bool>,
     star: Star,
+    /// Moves of vertices along the rim, in their order.
+    moved: Vec<RimMove>,
+}
+
+/// A vertex of a rim that a collapse has moved onto the next one along it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RimMove {
+    pub(crate) gone: VertexId,
+    pub(crate) kept: VertexId,
+    /// The vertex on its other side along the rim.
+    pub(crate) other: VertexId,
+    /// Its place before, as a part of the way from `kept` to `other`.
+    pub(crate) part: f32,
 }
 
 /// The place of a cut: its rim and its own walls.
@@ -95,6 +110,7 @@ impl Walls {
         around: Around<'_>,
         refine: &RefineParams,
     ) {
+        self.moved.clear();
         if edit.surface().channel(sizing::CHANNEL).is_none() {
             return;
         }
@@ -127,6 +143,11 @@ impl Walls {
                 return;
             }
         }
+    }
+
+    /// Returns the moves of vertices along the rim by the last cut, in their order.
+    pub(super) fn moved(&self) -> &[RimMove] {
+        &self.moved
     }
 
     /// Collapses points until none can go. Returns the number of collapses.

@@ -1,7 +1,7 @@
 //! Incisions that cross each other: number of triangles, partners of walls, volumes and undo.
 
 use crate::common::{check, params};
-use incise_cut::{CutParams, Cutter, Sweep};
+use incise_cut::{CutParams, Cutter, Incision, Sweep};
 use incise_mesh::geometry::{area_vector, to_f32};
 use incise_mesh::{AngleStats, HalfEdge, Surface, TriangleId, Vec3, VertexId, icosphere};
 use std::collections::BTreeMap;
@@ -127,5 +127,36 @@ fn crossing_slits_leave_few_triangles() {
         assert!(count < factor * needed, "snap {snap}: {count} of {needed}");
         let angle = AngleStats::from_triangles(triangles()).percentile_5;
         assert!(angle > 8.0, "snap {snap}: {angle} degrees");
+    }
+}
+
+/// A slit in 110 steps has less than twice the wall triangles of the same slit in one.
+///
+/// Rim points between steps go where the skin is flat.
+#[test]
+fn a_slit_in_steps_has_few_walls() {
+    // Blade poses at a distance from the middle, inward negative.
+    let pose = |depth: f32| [-1.0, 1.0].map(|y| [0.01 + 0.1 * y, y, depth]);
+    for has_normals in [false, true] {
+        let mut whole = icosphere(2, 0.5);
+        if !has_normals {
+            whole.set_corner_normals(Vec::new()).unwrap();
+        }
+        let mut body = whole.clone();
+        let sweep = Sweep::new(pose(-1.0), pose(0.05)).unwrap();
+        let outcome = Cutter::new(&body).incise(&mut body, &sweep, &params(0.1));
+        assert!(outcome.is_ok());
+        let once = walls(&body).count();
+        let mut body = whole.clone();
+        let (mut cutter, mut incision) = (Cutter::new(&body), Incision::default());
+        for step in 0..=110u8 {
+            let depth = -0.7 + 0.75 * f32::from(step) / 110.0;
+            let outcome = cutter.advance(&mut body, &mut incision, &pose(depth), &params(0.1));
+            assert!(outcome.is_ok(), "step {step}");
+        }
+        check(&body);
+        assert_eq!(lone_walls(&body), 0);
+        let count = walls(&body).count();
+        assert!(count < 2 * once, "{count} and {once}");
     }
 }

@@ -1,10 +1,12 @@
 //! Collapses a point of the walls onto a neighbor, on all walls that meet there.
 
+use super::star::{Star, is_affine};
 use super::{MAX_OFFSET, ROUNDING, Shape, Walls, smallest_sine};
+use crate::exact::contract::swept_volume;
+use crate::sizing;
 use incise_mesh::geometry::area_vector;
-use incise_mesh::{Edit, HalfEdge, Surface, Vec3, VertexId, index_u32};
+use incise_mesh::{CornerValues, Edit, HalfEdge, Surface, Vec3, VertexId};
 use smallvec::SmallVec;
-use std::ops::Range;
 
 /// Length below which an edge of a wall is collapsed, and length up to which edges may grow
 /// [target lengths].
@@ -13,91 +15,11 @@ use std::ops::Range;
 /// range with the ratio 2, edges are as near to the target as they can be in the logarithm.
 const LENGTHS: [f64; 2] = [std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::SQRT_2];
 
-/// A half-edge that leaves a vertex of a point.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Spoke {
-    pub(super) h: HalfEdge,
-    /// The number of the vertex within the point.
-    pub(super) copy: u32,
-    /// Rest positions at its end and across its left and its right triangle, as bits.
-    pub(super) to: [u32; 3],
-    pub(super) left: [u32; 3],
-    pub(super) right: [u32; 3],
-}
-
-/// The triangles around all vertices of a point.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Star {
-    /// By vertex, counterclockwise.
-    pub(super) spokes: Vec<Spoke>,
-    pub(super) copies: Vec<Range<usize>>,
-    /// Numbers of the spokes by their ends.
-    pub(super) by_end: Vec<u32>,
-    keys: Vec<([u32; 3], [u32; 3], bool)>,
-}
-
-impl Star {
-    /// Collects the spokes of a point. Returns false at a boundary.
-    pub(super) fn find(
-        &mut self,
-        surface: &Surface,
-        shape: &Shape,
-        starts: impl Iterator<Item = HalfEdge>,
-    ) -> bool {
-        let topology = surface.topology();
-        self.spokes.clear();
-        self.copies.clear();
-        let bits = |v: VertexId| shape.rest.bits(surface, v);
-        for (copy, first) in (0..).zip(starts) {
-            let from = self.spokes.len();
-            let mut at = first;
-            loop {
-                let twin = topology.twin(at);
-                if twin.is_null() {
-                    return false;
-                }
-                self.spokes.push(Spoke {
-                    h: at,
-                    copy,
-                    to: bits(topology.target(at)),
-                    left: bits(topology.origin(at.prev())),
-                    right: bits(topology.origin(twin.prev())),
-                });
-                at = topology.twin(at.prev());
-                if at.is_null() {
-                    return false;
-                }
-                if at == first {
-                    break;
-                }
-            }
-            self.copies.push(from..self.spokes.len());
-        }
-        self.by_end.clear();
-        self.by_end.extend(0..index_u32(self.spokes.len()));
-        let spokes = &self.spokes;
-        (self.by_end).sort_unstable_by_key(|&i| (spokes[i as usize].to, i));
-        true
-    }
-
-    /// Returns whether all triangles around the point `own` have their partners there, and no spoke
-    /// is on a tip or has no length.
-    fn is_closed(&mut self, own: [u32; 3]) -> bool {
-        let is_excluded = |spoke: &Spoke| spoke.left == spoke.right || spoke.to == own;
-        if self.spokes.iter().any(is_excluded) {
-            return false;
-        }
-        self.keys.clear();
-        let keys = self.spokes.iter().map(|spoke| {
-            let (a, b) = (spoke.to, spoke.left);
-            (a.min(b), a.max(b), a < b)
-        });
-        self.keys.extend(keys);
-        self.keys.sort_unstable();
-        let mut pairs = self.keys.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1));
-        pairs.all(|own| own.iter().filter(|key| key.2).count() * 2 == own.len())
-    }
-}
+/// Maximum volume by which a collapse on the skin changes the body [cubes of the target length].
+///
+/// It is 0 but for rounding while the triangles around are flat, which those of a moving body are
+/// not quite. Ten of them change a body of one cube by 1e-5, as a cut without snapping may.
+const MAX_VOLUME: f64 = 1e-6;
 
 impl Walls {
     /// Collapses a point onto the neighbor that leaves the largest smallest angle, if one is valid.
@@ -106,12 +28,18 @@ impl Walls {
         let mut star = std::mem::take(&mut self.star);
         let found = star.find(surface, shape, self.points.starts(point));
         let bits = |h: HalfEdge| shape.rest.bits(surface, surface.topology().origin(h));
-        let best = if found && star.copies.len() > 1 && star.is_closed(bits(star.spokes[0].h)) {
+        let best = if found && star.copies.len() > 1 && star.find_skin(bits(star.spokes[0].h)) {
             best_target(surface, shape, &mut star)
         } else {
             None
         };
         if let Some(target) = &best {
+            if star.has_skin {
+                let moves = star.copies.iter().zip(target);
+                let moves =
+                    moves.map(|(own, &along)| star.rim_move(edit.surface(), shape, own, along));
+                self.moved.extend(moves.flatten());
+            }
             self.apply(edit, target);
         }
         self.star = star;
@@ -160,6 +88,9 @@ impl Walls {
 fn best_target(surface: &Surface, shape: &Shape, star: &mut Star) -> Option<Vec<HalfEdge>> {
     let own = surface.topology().origin(star.spokes[0].h);
     let length = shape.target(surface, own)?;
+    if star.has_skin && !sizing::is_made(surface, own) {
+        return None;
+    }
     let old = (0..star.spokes.len()).map(|i| sine(surface, shape, star.spokes[i].h, None));
     let old = old.fold(f64::INFINITY, f64::min);
     let mut best: Option<(f64, Vec<HalfEdge>)> = None;
@@ -168,7 +99,13 @@ fn best_target(surface: &Surface, shape: &Shape, star: &mut Star) -> Option<Vec<
     for own in by_end.chunk_by(|a, b| spokes(a).to == spokes(b).to) {
         let is_one_each = own.len() == star.copies.len()
             && (0..).zip(own).all(|(copy, i)| spokes(i).copy == copy);
-        if !is_one_each {
+        // Other vertices of the point may be far from the cut, and other walls unpaired for that.
+        let is_rim = |(own, &i): (_, &u32)| {
+            let h = spokes(&i).h;
+            let both = [h, surface.topology().twin(h)].map(|h| surface.material(h.triangle()));
+            star.is_rim(own, i as usize) && both[0] != both[1]
+        };
+        if !is_one_each || (star.has_skin && !star.copies.iter().zip(own).all(is_rim)) {
             continue;
         }
         let target: Vec<HalfEdge> = own.iter().map(|i| spokes(i).h).collect();
@@ -205,6 +142,7 @@ fn quality_onto(
 ) -> Option<f64> {
     let topology = surface.topology();
     let mut worst = f64::INFINITY;
+    let mut volumes = [0.0; 2];
     let is_pinned = |v: VertexId| surface.positions()[v.index()][3] == 0.0;
     let pieces = target.iter().map(|h| surface.piece(h.triangle()));
     let first = surface.piece(target[0].triangle());
@@ -226,14 +164,20 @@ fn quality_onto(
             return None;
         }
         let rounding = ROUNDING * p.amax().max(q.amax());
-        let material = surface.material(along.triangle());
-        let charts = [along, back.next()].map(|h| surface.corner_values(h));
+        if star.has_skin && !is_affine(surface, shape, star, own, along) {
+            return None;
+        }
+        let charts = [along, back.next()].map(|h| chart(surface, h));
         let (mut old_area, mut new_area, mut slack) = (0.0, 0.0, 0.0);
         let mut has_flat = false;
-        for spoke in &star.spokes[own.clone()] {
-            let h = spoke.h;
+        for i in own.clone() {
+            let h = star.spokes[i].h;
             let t = h.triangle();
-            if surface.material(t) != material {
+            let (material, values) = chart(surface, h);
+            let is_own = |(own_material, own): &(u32, CornerValues)| {
+                material == *own_material && values.is_like(own, MAX_OFFSET)
+            };
+            if !charts.iter().any(is_own) {
                 return None;
             }
             let [b, c] = [topology.target(h), topology.origin(h.prev())];
@@ -244,10 +188,6 @@ fn quality_onto(
             if t == along.triangle() || t == back.triangle() {
                 continue;
             }
-            let values = surface.corner_values(h);
-            if !charts.contains(&values) {
-                return None;
-            }
             let reach = (pb - p).norm() + (pc - p).norm();
             let edge = (pb - q).norm();
             if edge > (LENGTHS[1] * length).max((pb - p).norm()) {
@@ -256,6 +196,7 @@ fn quality_onto(
             let new = area_vector([q, pb, pc]);
             new_area += new.norm();
             let height = old.dot(&(q - p)).abs();
+            let offset = if star.is_skin[i] { 0.0 } else { offset };
             if height > offset * old.norm() + 4.0 * rounding * (old.norm() + way * reach) {
                 return None;
             }
@@ -263,6 +204,14 @@ fn quality_onto(
                 has_flat = true;
             } else if old.dot(&new) <= 0.0 {
                 return None;
+            }
+            let all = [gone, b, c, kept];
+            let places = [
+                all.map(|v| surface.position(v)),
+                all.map(|v| surface.rest_position(v)),
+            ];
+            for (sum, [from, b, c, to]) in volumes.iter_mut().zip(places) {
+                *sum += swept_volume([from, b, c], to);
             }
             worst = worst.min(smallest_sine([q, pb, pc]));
             if worst < least {
@@ -276,7 +225,14 @@ fn quality_onto(
             return None;
         }
     }
-    Some(worst)
+    let limit = MAX_VOLUME * length.powi(3);
+    let is_kept = volumes.iter().all(|sum| sum.abs() <= limit);
+    (is_kept || !star.has_skin).then_some(worst)
+}
+
+/// Returns the material of a corner's triangle and the corner's attributes.
+fn chart(surface: &Surface, h: HalfEdge) -> (u32, CornerValues) {
+    (surface.material(h.triangle()), surface.corner_values(h))
 }
 
 /// Returns whether a triangle `from`, `b`, `c` keeps its orientation in both shapes if its first
