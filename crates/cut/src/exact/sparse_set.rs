@@ -22,6 +22,9 @@ impl SparseSet {
             return (place, false);
         }
         let place = self.slots.len();
+        if slot as usize >= self.places.len() {
+            self.places.resize(slot as usize + 1, 0);
+        }
         self.places[slot as usize] = index_u32(place);
         self.slots.push(slot);
         (place, true)

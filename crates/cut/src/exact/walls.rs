@@ -92,6 +92,22 @@ impl Shape {
         self.rest.position(surface, v)
     }
 
+    /// Returns the place of a vertex in the shape that is not at rest \[m\].
+    fn other(&self, surface: &Surface, v: VertexId) -> Vec3 {
+        match self.rest {
+            RestShape::Rest => surface.position(v),
+            RestShape::Present => surface.rest_position(v),
+        }
+    }
+
+    /// Returns the position and the rest position of a vertex with these places \[m\].
+    fn in_order(&self, rest: Vec3, other: Vec3) -> [Vec3; 2] {
+        match self.rest {
+            RestShape::Rest => [other, rest],
+            RestShape::Present => [rest, other],
+        }
+    }
+
     /// Returns the target edge length at a vertex at rest \[m\]; none where none is stored.
     fn target(&self, surface: &Surface, v: VertexId) -> Option<f64> {
         let stored = sizing::stored(surface, v)?;

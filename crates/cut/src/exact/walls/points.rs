@@ -12,10 +12,14 @@ pub(super) struct Points {
     /// By place of a vertex: a half-edge that leaves it, null once it is gone; its point.
     starts: Vec<HalfEdge>,
     point_of: Vec<u32>,
-    /// The vertices of all points, and the first one of each.
-    vertices: Vec<VertexId>,
+    /// By place, the next vertex of its point, by its place; [`LAST`] for the last one.
+    next: Vec<u32>,
+    /// By point, the place of its first vertex.
     first: Vec<u32>,
 }
+
+/// No next vertex of a point.
+const LAST: u32 = u32::MAX;
 
 impl Points {
     /// Collects the origins of half-edges and their neighbors.
@@ -42,21 +46,36 @@ impl Points {
             .map(|v| (shape.bits(surface, v), v))
             .collect();
         keyed.sort_unstable();
-        self.vertices.clear();
         self.first.clear();
         self.point_of.clear();
         self.point_of.resize(self.starts.len(), 0);
+        self.next.clear();
+        self.next.resize(self.starts.len(), LAST);
         for own in keyed.chunk_by(|a, b| a.0 == b.0) {
             let point = index_u32(self.first.len());
-            self.first.push(index_u32(self.vertices.len()));
-            for &(_, v) in own {
-                self.vertices.push(v);
+            self.first.push(LAST);
+            for &(_, v) in own.iter().rev() {
                 if let Some(place) = self.known.find(v.0) {
                     self.point_of[place] = point;
+                    self.next[place] = self.first[point as usize];
+                    self.first[point as usize] = index_u32(place);
                 }
             }
         }
-        self.first.push(index_u32(self.vertices.len()));
+    }
+
+    /// Adds a new vertex, which the half-edge `h` leaves, to a point.
+    pub(super) fn insert(&mut self, v: VertexId, h: HalfEdge, point: u32) {
+        let (place, is_new) = self.known.insert(v.0);
+        if is_new {
+            self.starts.push(HalfEdge::NULL);
+            self.point_of.push(point);
+            self.next.push(LAST);
+        }
+        self.starts[place] = h;
+        self.point_of[place] = point;
+        self.next[place] = self.first[point as usize];
+        self.first[point as usize] = index_u32(place);
     }
 
     fn add(&mut self, topology: &Topology, h: HalfEdge) {
@@ -67,17 +86,15 @@ impl Points {
 
     /// Returns the number of points.
     pub(super) fn len(&self) -> u32 {
-        index_u32(self.first.len()).saturating_sub(1)
+        index_u32(self.first.len())
     }
 
     /// Iterates over half-edges that leave the vertices of a point, one for each.
     pub(super) fn starts(&self, point: u32) -> impl Iterator<Item = HalfEdge> + '_ {
-        let range = self.first[point as usize] as usize..self.first[point as usize + 1] as usize;
-        let places = self.vertices[range]
-            .iter()
-            .filter_map(|v| self.known.find(v.0));
-        places
-            .map(|place| self.starts[place])
+        let place = |place: u32| Some(place).filter(|&place| place != LAST);
+        let first = place(self.first[point as usize]);
+        std::iter::successors(first, move |&last| place(self.next[last as usize]))
+            .map(|place| self.starts[place as usize])
             .filter(|h| !h.is_null())
     }
 

@@ -1,7 +1,9 @@
 //! The triangles around a point of the walls.
 
+use super::collapse::Target;
 use super::{MAX_OFFSET, RimMove, Shape};
 use incise_mesh::{HalfEdge, Surface, VertexId, index_u32};
+use smallvec::smallvec;
 use std::ops::Range;
 
 /// A half-edge that leaves a vertex of a point.
@@ -104,6 +106,81 @@ impl Star {
             let changes = (0..is_skin.len()).filter(|&i| self.is_rim(own, own.start + i));
             changes.count() == if self.has_skin { 2 } else { 0 }
         })
+    }
+
+    /// Returns the edges without length between vertices of the point `own`, which fill a segment
+    /// between the walls that meet there.
+    ///
+    /// Rounding gives two points one place. None if an edge belongs to no complete segment.
+    pub(super) fn zero_target(&self, surface: &Surface, own: [u32; 3]) -> Option<Target> {
+        let topology = surface.topology();
+        let is_zero = |spoke: &&Spoke| {
+            let twin = topology.twin(spoke.h);
+            spoke.to == own && spoke.h < twin
+        };
+        let mut zeros: Vec<Spoke> = self.spokes.iter().filter(is_zero).copied().collect();
+        let is_tip = |copy: u32| {
+            let own = &self.spokes[self.copies[copy as usize].clone()];
+            own.iter().any(|spoke| spoke.left == spoke.right)
+        };
+        let copy_of = |v: VertexId| {
+            let mut copies = (0..).zip(&self.copies);
+            copies.find_map(|(copy, own)| {
+                (topology.origin(self.spokes[own.start].h) == v).then_some(copy)
+            })
+        };
+        while let Some(first) = zeros.pop() {
+            let mut segment = vec![first];
+            let mut at = 0;
+            while at < segment.len() {
+                let apexes = [segment[at].left, segment[at].right];
+                at += 1;
+                let is_next = |other: &mut Spoke| {
+                    apexes.contains(&other.left) || apexes.contains(&other.right)
+                };
+                segment.extend(zeros.extract_if(.., is_next));
+            }
+            let mut apexes: Vec<_> = segment.iter().flat_map(|s| [s.left, s.right]).collect();
+            apexes.sort_unstable();
+            let mut groups = apexes.chunk_by(|a, b| a == b);
+            if !groups.all(|group| group.len() % 2 == 0 && group[0] != own) {
+                continue;
+            }
+            // The end of more edges of the segment is kept.
+            let ends = |spoke: &Spoke| [topology.origin(spoke.h), topology.target(spoke.h)];
+            let degree = |v: VertexId| segment.iter().filter(|s| ends(s).contains(&v)).count();
+            let mut target = Target {
+                to: ends(&first)[0],
+                along: smallvec![None; self.copies.len()],
+            };
+            let mut is_valid = true;
+            let mut kept = Vec::new();
+            for spoke in &segment {
+                let [from, to] = ends(spoke);
+                let Some(other) = copy_of(to) else {
+                    is_valid = false;
+                    break;
+                };
+                let tips = [is_tip(spoke.copy), is_tip(other)];
+                let is_forward = !tips[0] && (tips[1] || degree(from) <= degree(to));
+                is_valid &= !(tips[0] && tips[1]);
+                let (copy, h, end) = if is_forward {
+                    (spoke.copy, spoke.h, other)
+                } else {
+                    (other, topology.twin(spoke.h), spoke.copy)
+                };
+                is_valid &= target.along[copy as usize].replace(h).is_none();
+                kept.push(end);
+            }
+            if is_valid
+                && kept
+                    .iter()
+                    .all(|&copy| target.along[copy as usize].is_none())
+            {
+                return Some(target);
+            }
+        }
+        None
     }
 
     /// Returns the rim's other spoke at the vertex `own`, and the part of the way from the end of
