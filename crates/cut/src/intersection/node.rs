@@ -228,6 +228,14 @@ impl Node {
         self.position = points[0] * u + points[1] * v + points[2] * w;
     }
 
+    /// Returns whether it is in a triangle whose corners cuts have made, as those of walls are.
+    pub(crate) fn is_on_wall(&self, surface: &Surface) -> bool {
+        match self.on {
+            On::Face { corners, .. } => corners.iter().all(|&v| is_made(surface, v)),
+            On::Edge { .. } | On::Tip(_) => false,
+        }
+    }
+
     /// Makes the node midway between two nodes in the inside of one mesh triangle.
     pub(crate) fn between(surface: &Surface, triangle: TriangleId, a: &Self, b: &Self) -> Self {
         let corners = ordered_corners(surface, triangle);

@@ -91,8 +91,23 @@ fn corner_count(surface: &Surface) -> usize {
         .count()
 }
 
-/// Ten slits through the middle leave at most twice the triangles that the corners of their
-/// arrangement and the area of the walls need. Of the walls 99 % stay mirror images.
+/// Returns the shortest edge at rest \[m\].
+fn shortest_edge(surface: &Surface) -> f64 {
+    let topology = surface.topology();
+    let ends = (topology.edges()).map(|h| [topology.origin(h), topology.target(h)]);
+    let lengths = ends.map(|ends| {
+        let [a, b] = ends.map(|v| surface.rest_position(v));
+        (b - a).norm()
+    });
+    lengths.fold(f64::INFINITY, f64::min)
+}
+
+/// Twenty slits through the middle leave at most twice the triangles that the corners of their
+/// arrangement and the area of the walls need. All walls stay mirror images, no edge is without
+/// length.
+///
+/// The 14th of the slits with another seed once joined both sides of others with such edges: its
+/// section has 51 loops.
 #[test]
 fn crossing_slits_leave_few_triangles() {
     for snap in [0.0, 0.1] {
@@ -100,18 +115,14 @@ fn crossing_slits_leave_few_triangles() {
         let (volume, target) = (body.volume(), body.mean_edge_length());
         let mut cutter = Cutter::new(&body);
         let mut random = Directions(3);
-        for i in 0..10 {
+        for i in 0..20 {
             let before = body.clone();
             let sweep = slit(&mut random);
             let outcome = cutter.incise(&mut body, &sweep, &params(snap)).unwrap();
             check(&body);
             cutter.bvh().validate(&body).unwrap();
-            let lone = lone_walls(&body);
-            let count = walls(&body).count();
-            assert!(
-                100 * lone <= count,
-                "snap {snap}, slit {i}: {lone} of {count}"
-            );
+            assert_eq!(lone_walls(&body), 0, "snap {snap}, slit {i}");
+            assert!(shortest_edge(&body) > 0.0, "snap {snap}, slit {i}");
             let error = (body.volume() / volume - 1.0).abs();
             assert!(error < if snap == 0.0 { 1e-6 } else { 2e-3 }, "{error}");
             let mut undone = body.clone();
@@ -122,11 +133,9 @@ fn crossing_slits_leave_few_triangles() {
         let area: f64 = triangles().map(|t| area_vector(t).norm() / 2.0).sum();
         let count = body.topology().triangle_count() as f64;
         let needed = 2.0 * corner_count(&body) as f64 + area / target.powi(2);
-        // Without snapping the skin keeps its slivers.
-        let factor = if snap == 0.0 { 2.2 } else { 2.0 };
-        assert!(count < factor * needed, "snap {snap}: {count} of {needed}");
+        assert!(count < 2.0 * needed, "snap {snap}: {count} of {needed}");
         let angle = AngleStats::from_triangles(triangles()).percentile_5;
-        assert!(angle > 8.0, "snap {snap}: {angle} degrees");
+        assert!(angle > 9.0, "snap {snap}: {angle} degrees");
     }
 }
 
@@ -159,4 +168,24 @@ fn a_slit_in_steps_has_few_walls() {
         let count = walls(&body).count();
         assert!(count < 2 * once, "{count} and {once}");
     }
+}
+
+/// A blade that circles cuts along its own slit, from the second lap on at most a thousandth of an
+/// edge beside it. An end of a curve once moved on one wall only.
+#[test]
+fn walls_of_a_circling_blade_keep_their_partners() {
+    let mut body = icosphere(2, 0.5);
+    let volume = body.volume();
+    let (mut cutter, mut incision) = (Cutter::new(&body), Incision::default());
+    for step in 0..=170u8 {
+        let (sin, cos) = (0.0623 * f64::from(step)).sin_cos();
+        let lift = if step == 0 { 0.7 } else { 0.0 };
+        let pose = [0.0, 1.0].map(|y| to_f32(Vec3::new(0.2 * cos, y + lift, 0.2 * sin)));
+        let outcome = cutter.advance(&mut body, &mut incision, &pose, &params(0.1));
+        assert!(outcome.is_ok(), "step {step}");
+        assert_eq!(lone_walls(&body), 0, "step {step}");
+    }
+    check(&body);
+    assert!((body.volume() / volume - 1.0).abs() < 1e-4);
+    assert!(body.topology().triangle_count() < 3000);
 }
