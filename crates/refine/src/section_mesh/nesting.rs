@@ -6,12 +6,15 @@ use super::loops::SectionLoops;
 ///
 /// Outer loops that touch each other need no common triangulation, so that only holes and slits
 /// that touch their own outer loop need repair. A hole without one is a group of its own.
-/// O(n k) for n corners and k loops.
+/// O(h k + n m) for h holes, k outer loops, n corners of holes and m corners of outer loops whose
+/// boxes touch theirs.
 pub(crate) fn split(loops: &SectionLoops, group: &[u32]) -> Vec<Vec<u32>> {
     let area = |index: u32| loops.area(loops.corners(index as usize));
     let (outer, holes): (Vec<u32>, Vec<u32>) = group.iter().partition(|&&index| area(index) > 0.0);
     let mut groups: Vec<Vec<u32>> = outer.iter().map(|&index| vec![index]).collect();
+    let boxes: Vec<[[f64; 2]; 2]> = outer.iter().map(|&index| bounds(loops, index)).collect();
     for hole in holes {
+        let [low, high] = bounds(loops, hole);
         let corners = loops.corners(hole as usize);
         // Corners of a hole may be on its outer loop, middles of its edges are so less often.
         let middles = (0..corners.len()).map(|k| {
@@ -28,7 +31,12 @@ pub(crate) fn split(loops: &SectionLoops, group: &[u32]) -> Vec<Vec<u32>> {
             let is_inside = |point: &&[f64; 2]| loops.winding(around, **point) > 0;
             samples.iter().filter(is_inside).count()
         };
+        let may_hold = |&i: &usize| {
+            let [outer_low, outer_high] = boxes[i];
+            (0..2).all(|k| outer_low[k] <= high[k] && low[k] <= outer_high[k])
+        };
         let best = (0..outer.len())
+            .filter(may_hold)
             .map(|i| (count(&outer[i]), i))
             .filter(|found| found.0 > 0)
             .max_by(|a, b| {
@@ -41,4 +49,16 @@ pub(crate) fn split(loops: &SectionLoops, group: &[u32]) -> Vec<Vec<u32>> {
         }
     }
     groups
+}
+
+/// Returns the corners of the box around a loop.
+fn bounds(loops: &SectionLoops, index: u32) -> [[f64; 2]; 2] {
+    let corners = loops.corners(index as usize).iter();
+    let points = corners.map(|&corner| loops.points[corner as usize]);
+    points.fold([[f64::MAX; 2], [f64::MIN; 2]], |[low, high], p| {
+        [
+            [low[0].min(p[0]), low[1].min(p[1])],
+            [high[0].max(p[0]), high[1].max(p[1])],
+        ]
+    })
 }
