@@ -98,11 +98,23 @@ impl<'a> Curve<'a> {
         self.nodes.iter().map(|node| CurvePoint {
             position: node.position,
             crossing: match node.on {
-                On::Edge { exit, ends, t, .. } => Some(EdgeCrossing {
-                    half_edge: exit,
-                    ends,
+                On::Edge {
+                    exit,
+                    ends: [a, b],
                     t,
-                }),
+                    ..
+                } => {
+                    let (ends, t) = if a < b {
+                        ([a, b], t)
+                    } else {
+                        ([b, a], 1.0 - t)
+                    };
+                    Some(EdgeCrossing {
+                        half_edge: exit,
+                        ends,
+                        t,
+                    })
+                }
                 On::Face { .. } | On::Tip(_) => None,
             },
         })

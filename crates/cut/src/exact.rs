@@ -27,10 +27,12 @@ mod rest;
 mod rim;
 mod section;
 mod snap;
+mod sparse_set;
 mod split;
 mod tip;
 mod verify;
 mod volumes;
+mod walls;
 
 use crate::blade_position::is_in_body;
 use crate::error::CutError;
@@ -38,6 +40,7 @@ use crate::intersection::Intersection;
 use crate::outcome::CutOutcome;
 use crate::params::CutParams;
 use crate::separate::Separator;
+use crate::sizing;
 use crate::sweep::Sweep;
 use cap::Cap;
 use chains::{Chains, Opening};
@@ -52,6 +55,8 @@ use section::{Rims, target_lengths};
 use snap::Snapper;
 use split::Splitter;
 pub(crate) use verify::has_walls;
+pub(crate) use walls::RimMove;
+use walls::{Around, Walls};
 use web_time::Instant;
 
 /// A search for the parts of cut pieces beside the meshing of caps, which must not join others.
@@ -102,6 +107,7 @@ pub(crate) struct Exact {
     lengths: Vec<f64>,
     chains: Chains,
     cap: Cap,
+    walls: Walls,
 }
 
 /// Saves whether the surface has cavities. The rest is scratch memory.
@@ -126,6 +132,11 @@ impl Exact {
     pub(crate) fn sections(&self) -> impl Iterator<Item = (Section<'_>, &[f64])> {
         let sections = self.cap.section.sections().iter();
         sections.map(|section| (section.section(), section.lengths.as_slice()))
+    }
+
+    /// Returns the moves of vertices along the rim by the last cut, in their order.
+    pub(crate) fn rim_moves(&self) -> &[RimMove] {
+        self.walls.moved()
     }
 
     /// Forgets what is known about a surface that was edited by something else.
@@ -199,7 +210,19 @@ impl Exact {
             Vec::new()
         };
         let mut edit = surface.edit();
+        let shape = facets.tip().rest_shape();
+        let goes_on = !facets.tip().parts.is_empty();
+        // Sheets get no walls.
+        let mut walls = trace.curves.iter().filter(|curve| curve.is_capped);
+        let is_incision = walls.any(|curve| goes_on || trace.has_end(curve));
+        if is_incision || edit.surface().channel(sizing::CHANNEL).is_some() {
+            let hit = trace.chords.iter().map(|chord| chord.triangle);
+            sizing::prepare(&mut edit, shape, hit);
+        }
+        self.snapper
+            .find_shared(edit.surface(), shape, &trace.nodes);
         (self.sides).open(&mut edit, trace, facets, &mut self.splitter)?;
+        sizing::mark(&mut edit, self.sides.vertices.iter().flatten().copied());
         self.rim.reset(trace);
         let mut opened = Opened {
             edit: &mut edit,
@@ -281,6 +304,13 @@ impl Exact {
             chains: &self.chains,
         };
         (self.cap).close(&mut edit, &rims, params)?;
+        let around = Around {
+            rim: &self.rim,
+            sides: &self.sides,
+            caps: &self.cap.triangles,
+            crosses_walls: self.snapper.crosses_walls(),
+        };
+        (self.walls).coarsen(&mut edit, shape, around, &params.refine);
         report.cap += begin.elapsed();
         let begin = Instant::now();
         let (delta, undo) = edit.finish();
@@ -294,6 +324,8 @@ impl Exact {
         outcome.delta = delta;
         outcome.undo = Some(undo);
         outcome.cap = self.cap.triangles.concat();
+        let topology = surface.topology();
+        outcome.cap.retain(|&t| topology.is_triangle(t));
         report.commit = begin.elapsed();
         Ok(Split::Done)
     }

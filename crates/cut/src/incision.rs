@@ -12,6 +12,7 @@ mod piercings;
 
 #[cfg(feature = "serde")]
 use crate::error::CutError;
+use crate::exact::RimMove;
 use crate::sweep::Sweep;
 pub(crate) use approach::Approach;
 use columns::is_at_boundary;
@@ -183,17 +184,33 @@ impl Incision {
         self.pose.extend_from_slice(blade);
     }
 
+    /// Follows the vertices of the last tip and of the slit through a step.
+    ///
+    /// `copies` returns the two vertices that the step has made of one of the last tip.
+    pub(crate) fn open_path(
+        &mut self,
+        step: &Step<'_>,
+        copies: impl Fn(VertexId) -> Option<[VertexId; 2]>,
+        moves: &[RimMove],
+    ) {
+        if let Some(closing) = &step.approach.closing {
+            self.path.push_ends(closing.ends(&step.approach.tip));
+            self.path.open(copies);
+        } else {
+            self.path.open_tip(copies);
+        }
+        self.path.follow(moves);
+    }
+
     /// Sets the pose and the tip after a step.
     ///
-    /// `moved` is the tip along the blade, without the vertices that kept their places. `copies`
-    /// returns the two vertices that the step has made of one of the last tip.
+    /// `moved` is the tip along the blade, without the vertices that kept their places.
     pub(crate) fn finish_step(
         &mut self,
         pose: &[[f32; 3]],
         moved: Vec<TipPoint>,
         sweep: Option<Sweep>,
         step: &Step<'_>,
-        copies: impl Fn(VertexId) -> Option<[VertexId; 2]>,
     ) {
         let Approach {
             tip: last,
@@ -202,13 +219,6 @@ impl Incision {
             ..
         } = step.approach;
         let tip = with_standing(moved, last, stands);
-        if let Some(closing) = closing {
-            let ends = closing.ends(last);
-            self.path.push_ends(ends);
-            self.path.open(copies);
-        } else {
-            self.path.open_tip(copies);
-        }
         if self.tip.is_empty() {
             self.path.start(&self.pose);
             self.local = 0.0;

@@ -12,6 +12,7 @@ mod intersection;
 mod outcome;
 mod params;
 mod separate;
+mod sizing;
 mod stroke;
 mod sweep;
 

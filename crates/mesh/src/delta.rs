@@ -84,6 +84,29 @@ impl VertexOrigin {
         }
     }
 
+    /// Returns the origin with other parents.
+    pub(crate) fn with_parents(self, new: impl Fn(VertexId) -> VertexId) -> Self {
+        match self {
+            Self::OnEdge { a, b, t } => Self::OnEdge {
+                a: new(a),
+                b: new(b),
+                t,
+            },
+            Self::InFace { corners, weights } => Self::InFace {
+                corners: corners.map(new),
+                weights,
+            },
+            Self::OnCap { parents, weights } => Self::OnCap {
+                parents: parents.map(new),
+                weights,
+            },
+            Self::Restored { parents, weights } => Self::Restored {
+                parents: parents.map(new),
+                weights,
+            },
+        }
+    }
+
     /// Interpolates the values that `at` returns for the parents.
     pub fn interpolate<const N: usize>(&self, at: impl Fn(VertexId) -> [f32; N]) -> [f64; N] {
         let mut sum = [0.0; N];

@@ -92,7 +92,8 @@ impl Edit<'_> {
     /// Adds a vertex. It is removed again if no triangle uses it at the end.
     ///
     /// Parents must have been used by triangles before this edit, or be earlier vertices of this
-    /// edit that triangles use at the end. Channels of vertices are interpolated from them.
+    /// edit. In the delta, the nearest parent of a created vertex without triangles stands for it.
+    /// Channels of vertices are interpolated from parents.
     pub fn add_vertex(
         &mut self,
         position: [f32; 4],

@@ -6,6 +6,7 @@
 //! 1. [`loops`]: checks and scales the loops, clips corners without area.
 //! 2. [`loop_triangulation`]: the constrained Delaunay triangulation ([`cdt`]) of a group of loops.
 //!    [`repair_loops`] separates loops that touch or cross; [`ear_clipping`] fills the rest.
+//!    Where that fails, [`nesting`] splits the group into outer loops with their holes.
 //! 3. [`interior`]: Steiner points. A core of equilateral triangles ([`lattice`]), the
 //!    [`boundary_band`] around it, then Delaunay [`refinement`] with smoothing.
 //! 4. [`duplicate_edges`]: removes edges that the surrounding surface already has.
@@ -19,6 +20,7 @@ mod interior;
 mod lattice;
 mod loop_triangulation;
 mod loops;
+mod nesting;
 mod quality;
 mod refinement;
 mod repair_loops;
@@ -163,6 +165,8 @@ pub fn triangulate_section(
         (0..index_u32(scratch.loops.loop_count())).collect::<Vec<u32>>(),
         false,
     )];
+    // Once, as later groups are made from parts of loops.
+    let mut may_nest = true;
     // Bounds the time spent on the repair of invalid loops.
     let mut repair_budget = 16 * scratch.loops.point_ids.len() + 20_000;
     while let Some((group, mirrored)) = groups.pop() {
@@ -205,6 +209,10 @@ pub fn triangulate_section(
                 duplicate_edges::replace(triangulation, lattice, band, edge, may_flip);
             }
             write(loops, triangulation, lattice, band, mirrored, &mut mesh);
+        } else if may_nest && group.len() > 1 && !triangulation.intersections.is_empty() {
+            loops.restore();
+            groups.extend((nesting::split(loops, &group).into_iter()).map(|group| (group, false)));
+            may_nest = false;
         } else if !triangulation.intersections.is_empty() {
             let may_split = repair_budget >= triangulation.corner_of.len();
             repair_budget = repair_budget.saturating_sub(triangulation.corner_of.len());

@@ -164,7 +164,8 @@ impl Cutter {
                             approach,
                             borders: self.exact.borders(facets, &tip),
                         };
-                        incision.finish_step(blade, tip, taken, &step, copies);
+                        incision.open_path(&step, copies, self.exact.rim_moves());
+                        incision.finish_step(blade, tip, taken, &step);
                     } else if !incision.is_inside() {
                         incision.restart(blade);
                     }

@@ -21,7 +21,8 @@ use super::contract::{Opened, closed_fan, flatness, swept_volume};
 use super::rim::NO_NODE;
 use super::volumes::SmallerPart;
 use crate::intersection::facets::Facets;
-use crate::intersection::node::On;
+use crate::intersection::node::{Node, On};
+use crate::sizing::{self, RestShape};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{HalfEdge, Surface, Topology, Vec3, VertexId, index_u32};
 
@@ -50,6 +51,9 @@ pub(crate) struct Snapper {
     /// By curve, volume that may still be moved \[m^3\].
     volumes_left: Vec<f64>,
     boundary: Boundary,
+    /// By node, whether another one is on the coincident wall of an incision.
+    is_shared: Vec<bool>,
+    crosses_walls: bool,
     near: Vec<VertexId>,
     far: Vec<VertexId>,
     fan: Vec<HalfEdge>,
@@ -89,6 +93,42 @@ impl Boundary {
 }
 
 impl Snapper {
+    /// Finds the nodes that have a partner on a coincident wall: on an edge or a triangle of equal
+    /// rest positions. O(k log k).
+    ///
+    /// They stay in place, so that both walls remain mirror images.
+    pub(super) fn find_shared(&mut self, surface: &Surface, shape: RestShape, nodes: &[Node]) {
+        self.is_shared.clear();
+        self.is_shared.resize(nodes.len(), false);
+        self.crosses_walls = false;
+        let bits = |v: VertexId| shape.bits(surface, v);
+        let mut places: Vec<([[u32; 3]; 3], [VertexId; 3], usize)> = Vec::new();
+        for (i, node) in nodes.iter().enumerate() {
+            let corners = match node.on {
+                On::Edge { ends: [a, b], .. } => [a, b, b],
+                On::Face { corners, .. } => corners,
+                On::Tip(vertex) => {
+                    self.is_shared[i] = true;
+                    [vertex; 3]
+                }
+            };
+            places.push((corners.map(bits), corners, i));
+        }
+        places.sort_unstable();
+        for own in places.chunk_by(|a, b| a.0 == b.0) {
+            let is_shared = own.iter().any(|place| place.1 != own[0].1);
+            self.crosses_walls |= is_shared;
+            for &(.., i) in own {
+                self.is_shared[i] |= is_shared;
+            }
+        }
+    }
+
+    /// Returns whether nodes are on coincident walls.
+    pub(super) fn crosses_walls(&self) -> bool {
+        self.crosses_walls
+    }
+
     /// Contracts edges shorter than `snap` times the local edge length.
     ///
     /// `parts` has the smaller part of each curve.
@@ -160,7 +200,7 @@ impl Snapper {
         let On::Edge { ends, t, rises, .. } = cut.nodes[node as usize].on else {
             return;
         };
-        if cut.is_near_end(node) {
+        if cut.is_near_end(node) || self.is_shared[node as usize] {
             return;
         }
         let t = f64::from(t);
@@ -171,6 +211,9 @@ impl Snapper {
         } else {
             return;
         };
+        if sizing::is_made(cut.edit.surface(), vertex) {
+            return;
+        }
         if cut.is_at_border(node) {
             self.take_border_vertex(cut, facets, node, side, vertex, done);
             return;
@@ -251,7 +294,7 @@ impl Snapper {
             } else {
                 (next, node)
             };
-            if cut.is_on_sweep_edge(gone) || cut.rim.is_end(gone) {
+            if cut.is_on_sweep_edge(gone) || cut.rim.is_end(gone) || self.is_shared[gone as usize] {
                 continue;
             }
             let mut volume = 0.0;

@@ -2,6 +2,7 @@
 
 use super::TipPoint;
 use super::line::{offset, point_at};
+use crate::exact::RimMove;
 use incise_mesh::{Surface, Vec3, VertexId};
 
 /// The way of a blade since it entered the body: the pose before, then the ends of each tip.
@@ -12,19 +13,62 @@ pub(super) struct Path {
     pub(super) tips: Vec<[PathPoint; 2]>,
 }
 
-/// An end of a tip, once the blade has moved on: a vertex on each side of the slit.
+/// An end of a tip, once the blade has moved on: a point on each side of the slit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct PathPoint {
-    sides: [VertexId; 2],
+    sides: [RimPoint; 2],
     /// See [`TipPoint::parameter`].
     parameter: f64,
+}
+
+/// A point of a rim, between two of its vertices.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct RimPoint {
+    ends: [VertexId; 2],
+    /// Part of the way from the first to the second one.
+    part: f32,
+}
+
+impl RimPoint {
+    fn at(vertex: VertexId) -> Self {
+        Self {
+            ends: [vertex; 2],
+            part: 0.0,
+        }
+    }
+
+    fn position(&self, surface: &Surface) -> Vec3 {
+        let [a, b] = self.ends.map(|v| surface.position(v));
+        a + (b - a) * f64::from(self.part)
+    }
+
+    /// Keeps its place where one of its vertices moves along the rim.
+    fn follow(&mut self, moved: &RimMove) {
+        let Some(k) = self.ends.iter().position(|&v| v == moved.gone) else {
+            return;
+        };
+        let end = self.ends[1 - k];
+        let from_gone = if k == 0 { self.part } else { 1.0 - self.part };
+        let part = if end == moved.kept {
+            moved.part * (1.0 - from_gone)
+        } else if end == moved.other {
+            moved.part + from_gone * (1.0 - moved.part)
+        } else {
+            moved.part
+        };
+        *self = Self {
+            ends: [moved.kept, moved.other],
+            part,
+        };
+    }
 }
 
 impl PathPoint {
     /// Returns the middle between both sides, and its distance from them \[m\].
     fn middle(&self, surface: &Surface) -> (Vec3, f64) {
-        let [a, b] = self.sides.map(|v| surface.position(v));
+        let [a, b] = self.sides.map(|point| point.position(surface));
         ((a + b) / 2.0, (b - a).norm() / 2.0)
     }
 }
@@ -35,7 +79,9 @@ fn open(tips: &mut [[PathPoint; 2]], copies: impl Fn(VertexId) -> Option<[Vertex
         .flatten()
         .filter(|end| end.sides[0] == end.sides[1])
     {
-        end.sides = copies(end.sides[0]).unwrap_or(end.sides);
+        if let Some(own) = copies(end.sides[0].ends[0]) {
+            end.sides = own.map(RimPoint::at);
+        }
     }
 }
 
@@ -58,7 +104,7 @@ impl Path {
     /// Adds the ends of a tip, each with its parameter.
     pub(super) fn push_ends(&mut self, ends: [(VertexId, f64); 2]) {
         self.tips.push(ends.map(|(vertex, parameter)| PathPoint {
-            sides: [vertex; 2],
+            sides: [RimPoint::at(vertex); 2],
             parameter,
         }));
     }
@@ -72,6 +118,15 @@ impl Path {
     /// Replaces all ends by the two vertices that a step has made of each.
     pub(super) fn open(&mut self, copies: impl Fn(VertexId) -> Option<[VertexId; 2]>) {
         open(&mut self.tips, copies);
+    }
+
+    /// Keeps the ends of all tips in place where vertices of the slit's rim move along it.
+    pub(super) fn follow(&mut self, moves: &[RimMove]) {
+        for moved in moves {
+            let ends = self.tips.iter_mut().flatten();
+            let points = ends.flat_map(|end| &mut end.sides);
+            points.for_each(|point| point.follow(moved));
+        }
     }
 
     /// Returns how far behind the tip a blade is, if it is on the way or behind its start, up to
@@ -95,7 +150,10 @@ impl Path {
         for (i, tip) in self.tips.iter().enumerate().rev() {
             let before = i.checked_sub(1).map(|i| self.tips[i]);
             let mut ends = tip.iter().chain(before.iter().flatten());
-            let is_gone = ends.any(|end| end.sides.iter().any(|v| v.index() >= slots));
+            let is_gone = ends.any(|end| {
+                let mut used = end.sides.iter().flat_map(|point| point.ends);
+                used.any(|v| v.index() >= slots)
+            });
             if behind > back + reach + previous || is_gone {
                 break;
             }

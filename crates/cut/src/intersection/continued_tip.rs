@@ -1,5 +1,6 @@
 //! [`ContinuedTip`]: where a sweep opens the surface by identity instead of cutting it.
 
+use crate::sizing::RestShape;
 use incise_mesh::{HalfEdge, Vec3, VertexId};
 
 /// The tip of an incision that a sweep continues.
@@ -30,6 +31,15 @@ impl ContinuedTip {
     /// Returns whether the sweep is in the rest shape of the body.
     pub(crate) fn is_in_rest_shape(&self) -> bool {
         !self.present.is_empty()
+    }
+
+    /// Returns the shape in which rest positions are.
+    pub(crate) fn rest_shape(&self) -> RestShape {
+        if self.is_in_rest_shape() {
+            RestShape::Present
+        } else {
+            RestShape::Rest
+        }
     }
 
     /// Returns the part that begins at a vertex.

@@ -1,8 +1,11 @@
 //! Nodes of an intersection curve: positions and interpolation weights.
 
 use super::facets::{Facets, NO_FACET};
+use crate::sizing::{is_made, local_length};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{HalfEdge, Surface, TriangleId, Vec3, VertexId, VertexOrigin};
+use smallvec::SmallVec;
+use std::cmp::Ordering;
 
 /// Distance of the end of a curve from the edges of its mesh triangle [length across the triangle].
 const END_MARGIN: f64 = 0.05;
@@ -40,7 +43,7 @@ pub(crate) struct Node {
     pub(crate) on: On,
     /// Position \[m\].
     pub(crate) position: Vec3,
-    /// Local edge length: the mean over the edges of its mesh triangles \[m\].
+    /// Local edge length around its mesh triangles \[m\], see [`local_length`].
     pub(crate) local: f64,
     /// The facet in which the curve goes on.
     pub(crate) facet: u32,
@@ -63,9 +66,10 @@ impl Node {
     ) -> Self {
         let topology = surface.topology();
         let (from, to) = (topology.origin(exit), topology.target(exit));
-        let rises = (from < to) != begins;
-        // From the smaller id, so that the edge's two triangles round alike.
-        let ends = if from < to { [from, to] } else { [to, from] };
+        // From the smaller vertex, so that the edge's two triangles round alike, and two walls.
+        let is_ordered = compare_vertices(surface, from, to).is_lt();
+        let rises = is_ordered != begins;
+        let ends = if is_ordered { [from, to] } else { [to, from] };
         let [p, q] = ends.map(|v| surface.position(v));
         let [hp, hq] = [p, q].map(|x| facets.height(facet, x));
         let at = |t: f32| p + (q - p) * f64::from(t);
@@ -90,7 +94,7 @@ impl Node {
                 rises,
             },
             position: at(t),
-            local: surface.mean_edge_length_of(beside),
+            local: local_length(surface, facets.tip().rest_shape(), beside),
             facet,
             is_end: false,
         }
@@ -104,7 +108,7 @@ impl Node {
         edge: u32,
         facet: u32,
     ) -> Self {
-        let corners = surface.topology().triangle(triangle);
+        let corners = ordered_corners(surface, triangle);
         let [a, b, c] = corners.map(|v| surface.position(v));
         let normal = area_vector([a, b, c]);
         let [start, end] = facets.ends(edge);
@@ -139,7 +143,7 @@ impl Node {
                 weights,
             },
             position: at(weights),
-            local: surface.mean_edge_length_of([triangle]),
+            local: local_length(surface, facets.tip().rest_shape(), [triangle].into_iter()),
             facet,
             is_end: !facets.edges()[edge as usize].is_crease(),
         }
@@ -148,12 +152,17 @@ impl Node {
     /// Makes the node at a vertex of the tip that the sweep continues.
     ///
     /// The curve goes on in `facet`.
-    pub(crate) fn at_tip(surface: &Surface, vertex: VertexId, facet: u32) -> Self {
-        let fan = surface.topology().outgoing_fan(vertex);
+    pub(crate) fn at_tip(surface: &Surface, facets: &Facets, vertex: VertexId, facet: u32) -> Self {
+        let fan: SmallVec<[HalfEdge; 8]> = surface.topology().outgoing_fan(vertex).collect();
+        let fan = fan.iter().copied();
         Self {
             on: On::Tip(vertex),
             position: surface.position(vertex),
-            local: surface.mean_edge_length_of(fan.map(HalfEdge::triangle)),
+            local: local_length(
+                surface,
+                facets.tip().rest_shape(),
+                fan.map(HalfEdge::triangle),
+            ),
             facet,
             is_end: false,
         }
@@ -173,7 +182,10 @@ impl Node {
         is_last: bool,
     ) {
         let On::Face {
-            corners, weights, ..
+            triangle,
+            corners,
+            weights,
+            ..
         } = &mut self.on
         else {
             return;
@@ -183,7 +195,19 @@ impl Node {
         let from = before.position;
         // A curve leaves the triangle across the edge that rises there, and enters across the one
         // that falls.
-        let crossed = [(0, 1), (1, 2), (2, 0)].into_iter().find(|&(k, l)| {
+        let [first, second, third] = surface.topology().triangle(*triangle);
+        let is_mirrored = ![
+            [first, second, third],
+            [second, third, first],
+            [third, first, second],
+        ]
+        .contains(corners);
+        let edges = if is_mirrored {
+            [(1, 0), (2, 1), (0, 2)]
+        } else {
+            [(0, 1), (1, 2), (2, 0)]
+        };
+        let crossed = edges.into_iter().find(|&(k, l)| {
             let is_below = [k, l].map(|i| heights[i] < 0.0);
             is_below == [is_last, !is_last]
         });
@@ -204,9 +228,17 @@ impl Node {
         self.position = points[0] * u + points[1] * v + points[2] * w;
     }
 
+    /// Returns whether it is in a triangle whose corners cuts have made, as those of walls are.
+    pub(crate) fn is_on_wall(&self, surface: &Surface) -> bool {
+        match self.on {
+            On::Face { corners, .. } => corners.iter().all(|&v| is_made(surface, v)),
+            On::Edge { .. } | On::Tip(_) => false,
+        }
+    }
+
     /// Makes the node midway between two nodes in the inside of one mesh triangle.
     pub(crate) fn between(surface: &Surface, triangle: TriangleId, a: &Self, b: &Self) -> Self {
-        let corners = surface.topology().triangle(triangle);
+        let corners = ordered_corners(surface, triangle);
         let points = corners.map(|v| surface.position(v));
         let weights = weights_of(points, (a.position + b.position) / 2.0);
         let [u, v, w] = weights.map(f64::from);
@@ -276,10 +308,38 @@ impl Node {
                     0.0
                 }
             }),
-            On::Face { weights, .. } => weights,
+            On::Face {
+                corners: own,
+                weights,
+                ..
+            } => corners.map(|v| {
+                let place = own.iter().position(|&corner| corner == v);
+                place.map_or(0.0, |k| weights[k])
+            }),
             On::Tip(vertex) => corners.map(|v| if v == vertex { 1.0 } else { 0.0 }),
         }
     }
+}
+
+/// Compares vertices: those that cuts have made by their positions, equally on two coincident
+/// walls, and others by their ids.
+fn compare_vertices(surface: &Surface, a: VertexId, b: VertexId) -> Ordering {
+    let places = [a, b].map(|v| is_made(surface, v).then(|| surface.positions()[v.index()]));
+    let order = match places {
+        [Some(p), Some(q)] => {
+            let mut orders = (0..3).map(|k| p[k].total_cmp(&q[k]));
+            orders.find(|order| order.is_ne())
+        }
+        [p, q] => Some(p.is_some().cmp(&q.is_some())).filter(|order| order.is_ne()),
+    };
+    order.unwrap_or_else(|| a.cmp(&b))
+}
+
+/// Returns the corners of a triangle in their order, see [`compare_vertices`].
+fn ordered_corners(surface: &Surface, triangle: TriangleId) -> [VertexId; 3] {
+    let mut corners = surface.topology().triangle(triangle);
+    corners.sort_unstable_by(|&a, &b| compare_vertices(surface, a, b));
+    corners
 }
 
 /// Returns the barycentric weights of a point in a triangle's plane.

@@ -7,6 +7,7 @@ mod curved;
 mod exact;
 mod flat;
 mod folds;
+mod growth;
 mod incision;
 mod intersect;
 mod layers;

@@ -8,6 +8,36 @@ use crate::ids::{HalfEdge, TriangleId, VertexId};
 use crate::surface::{Channel, CornerValues, Domain, Row};
 
 impl Edit<'_> {
+    /// Adds a channel of zeros, see [`Channel::new`]. An undo removes it.
+    ///
+    /// A surface that has a channel of this name keeps that one.
+    pub fn add_channel(&mut self, channel: &Channel) {
+        if self.surface.channel(channel.name()).is_none() {
+            let mut added = channel.with_values(Vec::new());
+            added.fit(self.surface.slots(channel.domain()));
+            self.log.channels.push(RowTrack::of_added(&added));
+            self.surface.channels.push(added);
+        }
+    }
+
+    /// Sets the row of a vertex in the vertex channel of this name, if the surface has it.
+    ///
+    /// Values beyond the channel's width are ignored.
+    pub fn set_vertex_row(&mut self, v: VertexId, name: &str, values: &[f32]) {
+        let surface = &mut *self.surface;
+        let mut channels = surface.channels.iter_mut().zip(&mut self.log.channels);
+        let is_own = |c: &Channel| c.domain() == Domain::Vertex && c.name() == name;
+        if let Some((channel, track)) = channels.find(|entry| is_own(entry.0)) {
+            let mut row = channel.copy_row(v.index());
+            for (value, &new) in row.iter_mut().zip(values).take(channel.width()) {
+                *value = new;
+            }
+            track.set(channel, v.index(), &row);
+            surface.history.step(Step::SetRow, v.0);
+            surface.history.floats(&row[..channel.width()]);
+        }
+    }
+
     /// Sets the attributes of the corner at `h` that both the surface and `values` have.
     pub fn set_corner_values(&mut self, h: HalfEdge, values: &CornerValues) {
         if let Some(uv) = values.uv {

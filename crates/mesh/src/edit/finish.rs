@@ -7,6 +7,7 @@ use crate::delta::{AddedVertex, TopologyDelta, VertexOrigin};
 use crate::history::Step;
 use crate::ids::{HalfEdge, TriangleId, VertexId};
 use crate::topology::Topology;
+use std::cell::OnceCell;
 
 /// A triangle slot whose corners changed; null corners mean no triangle.
 #[derive(Debug, Clone, Copy)]
@@ -172,11 +173,13 @@ impl Edit<'_> {
             let (parents, weights) = ([v; 3], [1.0, 0.0, 0.0]);
             (v, VertexOrigin::Restored { parents, weights })
         });
+        let by_id = OnceCell::new();
         let mut added = Vec::with_capacity(self.vertices.len());
         for (vertex, origin) in own.chain(self.vertices.iter().copied()) {
             let h = surface.topology.outgoing(vertex);
             if !h.is_null() {
                 let piece = surface.piece(h.triangle());
+                let origin = origin.with_parents(|v| self.used_parent(&by_id, made, v));
                 added.push(AddedVertex {
                     vertex,
                     origin,
@@ -185,6 +188,32 @@ impl Edit<'_> {
             }
         }
         added
+    }
+
+    /// Returns a parent, or if it is a created vertex without triangles its nearest parent that is
+    /// none.
+    ///
+    /// `by_id` keeps the created vertices in the order of `made`, once needed.
+    fn used_parent(
+        &self,
+        by_id: &OnceCell<Vec<VertexOrigin>>,
+        made: &[VertexId],
+        mut parent: VertexId,
+    ) -> VertexId {
+        while self.surface.topology.outgoing(parent).is_null()
+            && let Ok(place) = made.binary_search(&parent)
+        {
+            let origins = by_id.get_or_init(|| {
+                let mut created = self.vertices.clone();
+                created.sort_by_key(|entry| entry.0);
+                created.into_iter().map(|entry| entry.1).collect()
+            });
+            let weights = origins[place].weights();
+            let [first, ..] = weights;
+            let nearest = (weights.into_iter()).fold(first, |m, p| if p.1 > m.1 { p } else { m });
+            parent = nearest.0;
+        }
+        parent
     }
 
     /// Returns the pieces that lost their last triangle, ascending.

@@ -93,6 +93,8 @@ pub(super) struct RowTrack {
     like: Channel,
     /// Length of its values before the edit.
     len: usize,
+    /// Whether the edit added the channel.
+    is_added: bool,
     places: Vec<u32>,
     old: Vec<f32>,
 }
@@ -102,8 +104,18 @@ impl RowTrack {
         Self {
             like: channel.with_values(Vec::new()),
             len: channel.values.len(),
+            is_added: false,
             places: Vec::new(),
             old: Vec::new(),
+        }
+    }
+
+    /// Returns the track of a channel that the edit adds.
+    pub(super) fn of_added(channel: &Channel) -> Self {
+        Self {
+            len: 0,
+            is_added: true,
+            ..Self::new(channel)
         }
     }
 
@@ -288,6 +300,9 @@ impl Log {
         self.uv.put_back(&mut corners.uv, len(self.uv.len));
         self.normal
             .put_back(&mut corners.normal, len(self.normal.len));
+        let added = || self.channels.iter().filter(|track| track.is_added);
+        let is_added = |channel: &Channel| added().any(|track| track.like.is_like(channel));
+        surface.channels.retain(|channel| !is_added(channel));
         for channel in &mut surface.channels {
             let is_own = |track: &&RowTrack| track.like.is_like(channel);
             match self.channels.iter().find(is_own) {

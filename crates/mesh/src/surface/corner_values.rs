@@ -42,11 +42,45 @@ impl CornerValues {
         }
     }
 
+    /// Returns whether each attribute is the mean of two corners' with the weights `1 - t` and `t`.
+    ///
+    /// It may differ by `tolerance` times the distance between both, and by rounding.
+    #[must_use]
+    pub fn is_mean(&self, [a, b]: [&Self; 2], t: f32, tolerance: f64) -> bool {
+        let mean = Self::interpolate([a, b, b], [1.0 - t, t, 0.0]);
+        let is_near = |own: &[f32], mean: &[f32], a: &[f32], b: &[f32]| {
+            let rounding = 4.0 * f64::from(f32::EPSILON) * distance(own, &[]);
+            distance(own, mean) <= tolerance * distance(a, b) + rounding
+        };
+        let uv = [self.uv, mean.uv, a.uv, b.uv].map(Option::unwrap_or_default);
+        let normal = [self.normal, mean.normal, a.normal, b.normal].map(Option::unwrap_or_default);
+        let mut rows = (self.rows.iter().zip(&mean.rows)).zip(a.rows.iter().zip(&b.rows));
+        is_near(&uv[0], &uv[1], &uv[2], &uv[3])
+            && is_near(&normal[0], &normal[1], &normal[2], &normal[3])
+            && rows.all(|((own, mean), (a, b))| is_near(&own.0, &mean.0, &a.0, &b.0))
+    }
+
+    /// Returns whether the normals differ by at most `tolerance` and the other attributes by nothing.
+    #[must_use]
+    pub fn is_like(&self, other: &Self, tolerance: f64) -> bool {
+        let normals = [self.normal, other.normal].map(Option::unwrap_or_default);
+        self.uv == other.uv
+            && self.rows == other.rows
+            && distance(&normals[0], &normals[1]) <= tolerance
+    }
+
     /// Returns whether the surface has no attributes of corners.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.uv.is_none() && self.normal.is_none() && self.rows.is_empty()
     }
+}
+
+/// Returns the distance between two rows; missing values are 0.
+fn distance(a: &[f32], b: &[f32]) -> f64 {
+    let others = b.iter().copied().chain(std::iter::repeat(0.0));
+    let squares = (a.iter().zip(others)).map(|(&x, y)| (f64::from(x) - f64::from(y)).powi(2));
+    squares.sum::<f64>().sqrt()
 }
 
 fn all<T>([a, b, c]: [Option<T>; 3]) -> Option<[T; 3]> {

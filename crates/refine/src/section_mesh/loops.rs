@@ -214,6 +214,7 @@ impl SectionLoops {
                 };
             }
             if let [a, b, c] = kept[..]
+                && !kept.iter().any(|&corner| ends_slit[corner as usize])
                 && orient(
                     self.points[a as usize],
                     self.points[b as usize],
@@ -231,10 +232,38 @@ impl SectionLoops {
         triangles.len() - before
     }
 
+    /// Returns the winding number of a loop around a point.
+    pub(crate) fn winding(&self, corners: &[u32], point: [f64; 2]) -> i32 {
+        let n = corners.len();
+        let part = |k: usize| {
+            let ends = [corners[k], corners[(k + 1) % n]];
+            let [p, q] = ends.map(|corner| self.points[corner as usize]);
+            match [p[1] <= point[1], q[1] <= point[1]] {
+                [true, false] => i32::from(orient(p, q, point) > 0.0),
+                [false, true] => -i32::from(orient(p, q, point) < 0.0),
+                _ => 0,
+            }
+        };
+        (0..n).map(part).sum()
+    }
+
+    /// Returns the signed area of a loop.
+    pub(crate) fn area(&self, corners: &[u32]) -> f64 {
+        let n = corners.len();
+        let at = |k: usize| self.points[corners[k % n] as usize];
+        let [x, y] = at(0);
+        let part = |k: usize| {
+            let (p, q) = (at(k), at(k + 1));
+            (p[0] - x) * (q[1] - y) - (q[0] - x) * (p[1] - y)
+        };
+        (0..n).map(part).sum::<f64>() / 2.0
+    }
+
     /// Returns whether a loop turns back at corner `k` and ran there through its own inside.
     ///
     /// It returns on the same way, up to `tolerance`, to a mouth. There the inside is left of both
-    /// branches, and the slit leaves between them.
+    /// branches, and the slit leaves between them. A loop without a mouth is a slit if other loops
+    /// are around it.
     fn is_end_of_slit(&self, corners: &[u32], k: usize, tolerance: f64) -> bool {
         let n = corners.len();
         let at = |i: usize| self.points[corners[i % n] as usize];
@@ -254,7 +283,11 @@ impl SectionLoops {
                 ahead += 1;
             }
             if ahead - back >= n {
-                return false;
+                // A loop of a slit alone. Around it is a section, or nothing.
+                let others = (0..self.loop_count()).map(|i| self.corners(i));
+                let others = others.filter(|other| other.as_ptr() != corners.as_ptr());
+                let winding: i32 = others.map(|other| self.winding(other, at(k))).sum();
+                return inner.is_some() && winding > 0;
             }
             let (p, q) = (at(back), at(ahead));
             let (u, v) = (minus_mouth(p), minus_mouth(q));

@@ -1,7 +1,8 @@
 //! The triangles around the rim that may change, each with its displacement budget.
 
 use super::super::contract::Opened;
-use incise_mesh::{HalfEdge, Topology, TriangleId, VertexId, index_u32};
+use super::super::sparse_set::SparseSet;
+use incise_mesh::{HalfEdge, Topology, TriangleId, VertexId};
 
 /// Allowed and past displacement of the surface at a triangle \[m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -157,36 +158,4 @@ pub(super) fn neighbors(topology: &Topology, h: HalfEdge, out: &mut Vec<VertexId
             out.push(topology.origin(h.prev()));
         }
     });
-}
-
-/// A sparse set of slots (Briggs and Torczon 1993): O(1) insertion, lookup and clearing.
-#[derive(Debug, Clone, Default)]
-struct SparseSet {
-    places: Vec<u32>,
-    slots: Vec<u32>,
-}
-
-impl SparseSet {
-    /// Removes all slots; new ones are below `count`.
-    fn clear(&mut self, count: usize) {
-        self.slots.clear();
-        self.places.resize(count.max(self.places.len()), 0);
-    }
-
-    /// Inserts a slot. Returns its place and whether it is new.
-    fn insert(&mut self, slot: u32) -> (usize, bool) {
-        if let Some(place) = self.find(slot) {
-            return (place, false);
-        }
-        let place = self.slots.len();
-        self.places[slot as usize] = index_u32(place);
-        self.slots.push(slot);
-        (place, true)
-    }
-
-    /// Returns the place of a slot, if it is in the set.
-    fn find(&self, slot: u32) -> Option<usize> {
-        let place = *self.places.get(slot as usize)? as usize;
-        (self.slots.get(place) == Some(&slot)).then_some(place)
-    }
 }

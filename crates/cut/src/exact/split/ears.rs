@@ -4,6 +4,7 @@ use super::{Corner, EdgeRole, Hit, Part, PolygonEdge, Projection, Splitter, posi
 use crate::intersection::node::{Node, On};
 use incise_mesh::geometry::{area_vector, corner_angles};
 use incise_mesh::{Vec3, VertexId};
+use std::cmp::Ordering;
 
 impl Splitter {
     /// Cuts the polygon into triangles.
@@ -35,7 +36,7 @@ impl Splitter {
                         let first = (0..4).min_by_key(|&i| order(polygon[i].corner, &hit));
                         (first.is_some_and(|i| i % 2 == 0)) == (hit.chords[0].triangle < other)
                     }
-                    None => is_delaunay([0, 1, 2, 3].map(at)),
+                    None => is_first_delaunay([0, 1, 2, 3].map(at)),
                 };
                 if first && (!second || is_first_better()) {
                     self.ears.extend([[0, 1, 2], [2, 3, 0]]);
@@ -69,8 +70,10 @@ impl Splitter {
         self.ring.clear();
         self.ring.extend(0..self.polygon.len());
         while self.ring.len() > 3 {
-            let quality = |i: usize| self.ear_quality(nodes, hit, has_inner, i);
-            let best = (0..self.ring.len()).max_by(|&i, &j| quality(i).total_cmp(&quality(j)));
+            let ring = &self.ring;
+            let at = |i: usize| position(self.polygon[ring[i]].corner, nodes, &hit.corners);
+            let rank = |i: usize| (self.ear_quality(nodes, hit, has_inner, i), at(i));
+            let best = (0..ring.len()).max_by(|&i, &j| compare_ears(&rank(i), &rank(j)));
             let best = best.expect("a ring of more than three has a largest ear");
             self.ears.push(ear(&self.ring, best));
             self.ring.remove(best);
@@ -84,10 +87,12 @@ impl Splitter {
     /// Returns false if there is no such order among the first [`MAX_EARS`] ears.
     fn search_ears(&mut self, nodes: &[Node], hit: Hit<'_>) -> bool {
         let choices = |own: &Self| {
+            let at = |i: usize| position(own.polygon[own.ring[i]].corner, nodes, &hit.corners);
             let all = (0..own.ring.len()).filter(|_| own.ring.len() > 3);
-            let all = all.map(|i| (own.ear_quality(nodes, hit, true, i), i));
-            let mut valid: Vec<(f64, usize)> = all.filter(|choice| choice.0 > -1.0).collect();
-            valid.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let all = all.map(|i| ((own.ear_quality(nodes, hit, true, i), at(i)), i));
+            let mut valid: Vec<((f64, Vec3), usize)> =
+                all.filter(|choice| choice.0.0 > -1.0).collect();
+            valid.sort_by(|a, b| compare_ears(&a.0, &b.0));
             valid.drain(..valid.len().saturating_sub(MAX_CHOICES));
             valid
         };
@@ -138,7 +143,8 @@ impl Splitter {
         if has_inner && ring.iter().any(|&i| is_beside(at(i), [at(a), at(c)])) {
             return -0.5;
         }
-        let angles = corner_angles([a, b, c].map(at));
+        // In one order, so that mirrored triangles are split alike.
+        let angles = corner_angles(sorted([a, b, c].map(at)));
         angles.into_iter().fold(f64::MAX, f64::min)
     }
 
@@ -306,6 +312,38 @@ fn are_neighbors(
         || ears
             .iter()
             .any(|ear| (0..3).any(|k| is_same(ear[k], ear[(k + 1) % 3])))
+}
+
+/// Compares two points by their coordinates.
+fn compare(p: Vec3, q: Vec3) -> Ordering {
+    let mut orders = (0..3).map(|k| p[k].total_cmp(&q[k]));
+    orders
+        .find(|order| order.is_ne())
+        .unwrap_or(Ordering::Equal)
+}
+
+/// Compares two ears by quality and then by position, so that mirrored triangles are split alike.
+fn compare_ears(a: &(f64, Vec3), b: &(f64, Vec3)) -> Ordering {
+    a.0.total_cmp(&b.0).then_with(|| compare(a.1, b.1))
+}
+
+/// Returns points in the order of their coordinates.
+fn sorted(mut points: [Vec3; 3]) -> [Vec3; 3] {
+    points.sort_by(|&p, &q| compare(p, q));
+    points
+}
+
+/// Returns whether the first of the two diagonals of a quadrilateral is Delaunay.
+///
+/// The answer for the mirror image, which begins at any corner, is the same diagonal.
+fn is_first_delaunay(corners: [Vec3; 4]) -> bool {
+    let least = (0..4).min_by(|&i, &j| compare(corners[i], corners[j]));
+    let least = least.unwrap_or_default();
+    let mut ordered = [0, 1, 2, 3].map(|k| corners[(least + k) % 4]);
+    if compare(ordered[1], ordered[3]).is_gt() {
+        ordered.swap(1, 3);
+    }
+    is_delaunay(ordered) == (least % 2 == 0)
 }
 
 /// Returns whether the diagonal from `a` to `c` is Delaunay: the angles at `b` and `d` sum to at

@@ -8,7 +8,7 @@ use crate::intersection::node::{Node, On};
 use incise_mesh::{HalfEdge, Surface, TriangleId, VertexId, index_u32};
 
 /// Maximum displacement of an end away from mesh edges [motion of the sweep, and distance of the
-/// curve's ends].
+/// curve's ends unless on a wall].
 const MAX_END_MARGIN: f64 = 0.1;
 
 /// The first segment of a curve, or the tip along which it begins.
@@ -253,7 +253,8 @@ impl Trace {
                 (None, Some(next)) => self.segments[next].facet,
                 (None, None) => facet,
             };
-            self.nodes.push(Node::at_tip(surface, vertex, facet));
+            self.nodes
+                .push(Node::at_tip(surface, facets, vertex, facet));
         }
         next
     }
@@ -273,6 +274,12 @@ impl Trace {
         for (end, beside, is_last) in [(first, first + 1, false), (last, last - 1, true)] {
             let before = self.nodes[beside];
             let facet = self.nodes[end.min(beside)].facet;
+            // Coincident walls may have curves of different lengths, whose ends must coincide.
+            let span = if self.nodes[end].is_on_wall(surface) {
+                f64::INFINITY
+            } else {
+                span
+            };
             let reach = MAX_END_MARGIN * facets.motion(facet).min(span);
             self.nodes[end].center_end(surface, facets, &before, facet, reach, is_last);
         }

@@ -319,3 +319,54 @@ fn an_undo_is_send_and_comparable() {
 fn a_free_slot_cannot_be_removed() {
     tetrahedron().edit().remove_triangle(TriangleId(7));
 }
+
+#[test]
+fn a_channel_of_an_edit_goes_with_its_undo() {
+    let mut surface = tetrahedron();
+    let before = surface.clone();
+    let channel = Channel::new("made", Domain::Vertex, Blend::Linear, 2, Vec::new()).unwrap();
+    let mut edit = surface.edit();
+    edit.add_channel(&channel);
+    edit.set_vertex_row(VertexId(1), "made", &[3.0]);
+    let origin = VertexOrigin::OnEdge {
+        a: VertexId(1),
+        b: VertexId(2),
+        t: 0.5,
+    };
+    let v = edit.add_vertex([0.5, 0.5, 0.0, 1.0], [0.5, 0.5, 0.0], origin);
+    for h in TriangleId(2).half_edges() {
+        if edit.surface().topology().origin(h) == VertexId(1) {
+            edit.set_corner(h, v);
+        }
+    }
+    let rows = edit.surface().channel("made").unwrap();
+    assert_eq!(
+        (rows.row(1), rows.row(v.index())),
+        (&[3.0, 0.0][..], &[1.5, 0.0][..])
+    );
+    let (_, undo) = edit.finish();
+    assert!(surface.channel("made").is_some());
+    undo.revert(&mut surface).unwrap();
+    assert_eq!(surface, before);
+    let mut edit = surface.edit();
+    edit.add_channel(&channel);
+    drop(edit);
+    assert_eq!(surface, before, "dropped");
+}
+
+#[test]
+fn a_parent_that_no_triangle_uses_is_replaced_by_its_own() {
+    let mut surface = tetrahedron();
+    let mut edit = surface.edit();
+    let between = |a, b, t| VertexOrigin::OnEdge { a, b, t };
+    let at = [0.5, 0.5, 0.0];
+    let position = [0.5, 0.5, 0.0, 1.0];
+    let unused = edit.add_vertex(position, at, between(VertexId(1), VertexId(2), 0.75));
+    let used = edit.add_vertex(position, at, between(unused, VertexId(3), 0.25));
+    let h = TriangleId(2).half_edges()[0];
+    edit.set_corner(h, used);
+    let (delta, _) = edit.finish();
+    let added = delta.vertices_added;
+    assert_eq!(added.len(), 1);
+    assert_eq!(added[0].origin, between(VertexId(2), VertexId(3), 0.25));
+}

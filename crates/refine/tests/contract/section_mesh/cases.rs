@@ -65,6 +65,27 @@ fn slits_stay_open() {
     }
 }
 
+/// A slit whose ends are both inside the section is a loop of its own. One outside is clipped.
+#[test]
+fn a_slit_within_a_section_stays_open() {
+    for (x, is_open) in [(1.0, true), (5.0, false)] {
+        let slit = [[x, 1.0], [x + 1.0, 1.0], [x + 2.0, 1.0], [x + 1.0, 1.0]];
+        let short = [[x, 2.0], [x + 1.0, 2.0], [x + 2.0, 2.0]];
+        for slit in [&slit[..], &short[..]] {
+            for length in [None, Some(0.5)] {
+                let mut shape = Shape::default();
+                shape.add(square(0.0, 0.0, 4.0).to_vec());
+                shape.add(slit.to_vec());
+                let mesh = run(&shape, length).unwrap();
+                let ids = [4, 5, 6, 7];
+                let is_across = |t: &[u32; 3]| t.iter().all(|v| ids.contains(v));
+                assert_eq!(!mesh.triangles.iter().any(is_across), is_open, "{slit:?}");
+                assert!((covered(&shape, &mesh) - 16.0).abs() < 1e-9);
+            }
+        }
+    }
+}
+
 #[test]
 fn touching_loops_give_no_overlap() {
     let outer = square(0.0, 0.0, 4.0);

@@ -1,0 +1,266 @@
+//! The triangles around a point of the walls.
+
+use super::collapse::Target;
+use super::{MAX_OFFSET, RimMove, Shape};
+use incise_mesh::{HalfEdge, Surface, VertexId, index_u32};
+use smallvec::smallvec;
+use std::ops::Range;
+
+/// A half-edge that leaves a vertex of a point.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Spoke {
+    pub(super) h: HalfEdge,
+    /// The number of the vertex within the point.
+    pub(super) copy: u32,
+    /// Rest positions at its end and across its left and its right triangle, as bits.
+    pub(super) to: [u32; 3],
+    pub(super) left: [u32; 3],
+    pub(super) right: [u32; 3],
+}
+
+/// The triangles around all vertices of a point.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Star {
+    /// By vertex, counterclockwise.
+    pub(super) spokes: Vec<Spoke>,
+    pub(super) copies: Vec<Range<usize>>,
+    /// Numbers of the spokes by their ends.
+    pub(super) by_end: Vec<u32>,
+    /// By spoke, whether its left triangle has no partner.
+    pub(super) is_skin: Vec<bool>,
+    pub(super) has_skin: bool,
+    keys: Vec<([u32; 3], [u32; 3], bool, usize)>,
+}
+
+impl Star {
+    /// Collects the spokes of a point. Returns false at a boundary.
+    pub(super) fn find(
+        &mut self,
+        surface: &Surface,
+        shape: &Shape,
+        starts: impl Iterator<Item = HalfEdge>,
+    ) -> bool {
+        let topology = surface.topology();
+        self.spokes.clear();
+        self.copies.clear();
+        let bits = |v: VertexId| shape.rest.bits(surface, v);
+        for (copy, first) in (0..).zip(starts) {
+            let from = self.spokes.len();
+            let mut at = first;
+            loop {
+                let twin = topology.twin(at);
+                if twin.is_null() {
+                    return false;
+                }
+                self.spokes.push(Spoke {
+                    h: at,
+                    copy,
+                    to: bits(topology.target(at)),
+                    left: bits(topology.origin(at.prev())),
+                    right: bits(topology.origin(twin.prev())),
+                });
+                at = topology.twin(at.prev());
+                if at.is_null() {
+                    return false;
+                }
+                if at == first {
+                    break;
+                }
+            }
+            self.copies.push(from..self.spokes.len());
+        }
+        self.by_end.clear();
+        self.by_end.extend(0..index_u32(self.spokes.len()));
+        let spokes = &self.spokes;
+        (self.by_end).sort_unstable_by_key(|&i| (spokes[i as usize].to, i));
+        true
+    }
+
+    /// Marks the spokes whose left triangle has no partner around the point `own`.
+    ///
+    /// Returns whether the point may go: no spoke is on a tip or has no length, and the triangles
+    /// without partners around each vertex, the skin, are none or adjacent.
+    pub(super) fn find_skin(&mut self, own: [u32; 3]) -> bool {
+        let is_excluded = |spoke: &Spoke| spoke.left == spoke.right || spoke.to == own;
+        if self.spokes.iter().any(is_excluded) {
+            return false;
+        }
+        self.keys.clear();
+        let keys = (0..).zip(&self.spokes).map(|(i, spoke)| {
+            let (a, b) = (spoke.to, spoke.left);
+            (a.min(b), a.max(b), a < b, i)
+        });
+        self.keys.extend(keys);
+        self.keys.sort_unstable();
+        self.is_skin.clear();
+        self.is_skin.resize(self.spokes.len(), false);
+        for own in self.keys.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            let is_paired = own.iter().filter(|key| key.2).count() * 2 == own.len();
+            for key in own {
+                self.is_skin[key.3] = !is_paired;
+            }
+        }
+        self.has_skin = self.is_skin.contains(&true);
+        self.copies.iter().all(|own| {
+            let is_skin = &self.is_skin[own.clone()];
+            let changes = (0..is_skin.len()).filter(|&i| self.is_rim(own, own.start + i));
+            changes.count() == if self.has_skin { 2 } else { 0 }
+        })
+    }
+
+    /// Returns the edges without length between vertices of the point `own`, which fill a segment
+    /// between the walls that meet there.
+    ///
+    /// Rounding gives two points one place. None if an edge belongs to no complete segment.
+    pub(super) fn zero_target(&self, surface: &Surface, own: [u32; 3]) -> Option<Target> {
+        let topology = surface.topology();
+        let is_zero = |spoke: &&Spoke| {
+            let twin = topology.twin(spoke.h);
+            spoke.to == own && spoke.h < twin
+        };
+        let mut zeros: Vec<Spoke> = self.spokes.iter().filter(is_zero).copied().collect();
+        let is_tip = |copy: u32| {
+            let own = &self.spokes[self.copies[copy as usize].clone()];
+            own.iter().any(|spoke| spoke.left == spoke.right)
+        };
+        let copy_of = |v: VertexId| {
+            let mut copies = (0..).zip(&self.copies);
+            copies.find_map(|(copy, own)| {
+                (topology.origin(self.spokes[own.start].h) == v).then_some(copy)
+            })
+        };
+        while let Some(first) = zeros.pop() {
+            let mut segment = vec![first];
+            let mut at = 0;
+            while at < segment.len() {
+                let apexes = [segment[at].left, segment[at].right];
+                at += 1;
+                let is_next = |other: &mut Spoke| {
+                    apexes.contains(&other.left) || apexes.contains(&other.right)
+                };
+                segment.extend(zeros.extract_if(.., is_next));
+            }
+            let mut apexes: Vec<_> = segment.iter().flat_map(|s| [s.left, s.right]).collect();
+            apexes.sort_unstable();
+            let mut groups = apexes.chunk_by(|a, b| a == b);
+            if !groups.all(|group| group.len() % 2 == 0 && group[0] != own) {
+                continue;
+            }
+            // The end of more edges of the segment is kept.
+            let ends = |spoke: &Spoke| [topology.origin(spoke.h), topology.target(spoke.h)];
+            let degree = |v: VertexId| segment.iter().filter(|s| ends(s).contains(&v)).count();
+            let mut target = Target {
+                to: ends(&first)[0],
+                along: smallvec![None; self.copies.len()],
+            };
+            let mut is_valid = true;
+            let mut kept = Vec::new();
+            for spoke in &segment {
+                let [from, to] = ends(spoke);
+                let Some(other) = copy_of(to) else {
+                    is_valid = false;
+                    break;
+                };
+                let tips = [is_tip(spoke.copy), is_tip(other)];
+                let is_forward = !tips[0] && (tips[1] || degree(from) <= degree(to));
+                is_valid &= !(tips[0] && tips[1]);
+                let (copy, h, end) = if is_forward {
+                    (spoke.copy, spoke.h, other)
+                } else {
+                    (other, topology.twin(spoke.h), spoke.copy)
+                };
+                is_valid &= target.along[copy as usize].replace(h).is_none();
+                kept.push(end);
+            }
+            if is_valid
+                && kept
+                    .iter()
+                    .all(|&copy| target.along[copy as usize].is_none())
+            {
+                return Some(target);
+            }
+        }
+        None
+    }
+
+    /// Returns the rim's other spoke at the vertex `own`, and the part of the way from the end of
+    /// `along` to its end at which the vertex lies.
+    pub(super) fn other_rim(
+        &self,
+        surface: &Surface,
+        shape: &Shape,
+        own: &Range<usize>,
+        along: HalfEdge,
+    ) -> Option<(usize, f32)> {
+        let is_other = |&i: &usize| self.is_rim(own, i) && self.spokes[i].h != along;
+        let other = own.clone().find(is_other)?;
+        let topology = surface.topology();
+        let center = shape.at(surface, topology.origin(along));
+        let both = [along, self.spokes[other].h];
+        let [near, far] = both.map(|h| (shape.at(surface, topology.target(h)) - center).norm());
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "weights have storage precision"
+        )]
+        let part = (near / (near + far)) as f32;
+        Some((other, part))
+    }
+
+    /// Returns the move of the vertex `own` along the rim to the end of `along`.
+    pub(super) fn rim_move(
+        &self,
+        surface: &Surface,
+        shape: &Shape,
+        own: &Range<usize>,
+        along: HalfEdge,
+    ) -> Option<RimMove> {
+        let (other, part) = self.other_rim(surface, shape, own, along)?;
+        let topology = surface.topology();
+        Some(RimMove {
+            gone: topology.origin(along),
+            kept: topology.target(along),
+            other: topology.target(self.spokes[other].h),
+            part,
+        })
+    }
+
+    /// Returns whether a spoke of the vertex `own` is between the skin and a wall.
+    pub(super) fn is_rim(&self, own: &Range<usize>, spoke: usize) -> bool {
+        // The triangle right of a spoke is left of the one before.
+        let before = if spoke == own.start { own.end } else { spoke } - 1;
+        self.is_skin[spoke] != self.is_skin[before]
+    }
+}
+
+/// Returns whether the texture and the normals of the skin at a point are the means of those at its
+/// neighbors along the rim.
+///
+/// Then those of the skin change by at most [`MAX_OFFSET`] of their difference along the rim.
+pub(super) fn is_affine(
+    surface: &Surface,
+    shape: &Shape,
+    star: &Star,
+    own: &Range<usize>,
+    along: HalfEdge,
+) -> bool {
+    let topology = surface.topology();
+    let Some((other, part)) = star.other_rim(surface, shape, own, along) else {
+        return false;
+    };
+    let both = [along, star.spokes[other].h];
+    // The corners on the skin, at the end of a spoke and at the point.
+    let corners = |h: HalfEdge| {
+        let twin = topology.twin(h);
+        let is_left = own
+            .clone()
+            .any(|i| star.spokes[i].h == h && star.is_skin[i]);
+        let ends = if is_left {
+            [h.next(), h]
+        } else {
+            [twin, twin.next()]
+        };
+        ends.map(|h| surface.corner_values(h))
+    };
+    let [to, from] = both.map(corners);
+    to[1] == from[1] && to[1].is_mean([&to[0], &from[0]], part, MAX_OFFSET)
+}
