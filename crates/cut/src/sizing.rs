@@ -48,8 +48,8 @@ impl RestShape {
 
 /// Returns the local edge length around a cut through `triangles` \[m\].
 ///
-/// It is the mean target of their corners, stretched as the triangles are. Without stored targets it
-/// is the mean of their edges.
+/// It is the mean target of their corners, stretched as the triangles are. Without stored targets
+/// it is the mean of their edges.
 pub(crate) fn local_length(
     surface: &Surface,
     shape: RestShape,

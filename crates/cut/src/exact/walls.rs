@@ -5,12 +5,12 @@
 //! all of them or to none, so partners stay partners, and as the changes of two coincident walls
 //! cancel, volumes stay.
 //!
-//! - [`collapse`]: all vertices of a point are contracted onto those of one neighbor. A point may go
-//!   only if the triangles around it have all their partners there too. So points along tips and
+//! - [`collapse`]: all vertices of a point are contracted onto those of one neighbor. A point may
+//!   go only if the triangles around it have all their partners there too. So points along tips and
 //!   where three walls meet stay, and points of a crease move along it. A point of a cut on the
 //!   skin moves along the rim where the skin is flat.
-//! - [`flip`]: the diagonal of two triangles and that of their partners are flipped, but not those of
-//!   the cut's own walls, whose triangles are mirror images corner by corner.
+//! - [`flip`]: the diagonal of two triangles and that of their partners are flipped, but not those
+//!   of the cut's own walls, whose triangles are mirror images corner by corner.
 //!
 //! The walls move by at most [`MAX_OFFSET`] target lengths. O(k log k) for k triangles near the
 //! cut.

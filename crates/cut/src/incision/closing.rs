@@ -4,8 +4,7 @@ use super::columns::Column;
 use super::lead::{Lead, MIN_MOTION};
 use super::line::offset;
 use super::map::BladeMap;
-use super::path::vanishing_part;
-use super::{Incision, PATH_WIDTH, TipPoint};
+use super::{Incision, MIN_STEP, TipPoint};
 use incise_mesh::geometry::{to_f32, to_f64};
 use incise_mesh::{Surface, Vec3, VertexId};
 
@@ -39,7 +38,7 @@ impl Incision {
         if !is_one || first_is_inner == last_is_inner {
             return None;
         }
-        let [at_surface, inner] = if first_is_inner { [last, 0] } else { [0, last] };
+        let inner = if first_is_inner { 0 } else { last };
         let border = &self.borders[usize::from(last_is_inner)];
         if !is_chain(surface, border) || border.last() != Some(&self.tip[inner].vertex) {
             return None;
@@ -48,33 +47,73 @@ impl Incision {
         let tip = self.tip.iter().map(|point| to_f32(place(point.vertex)));
         let tip: Vec<[f32; 3]> = tip.collect();
         let line = map.line(blade);
-        let end = if first_is_inner {
-            line[0]
-        } else {
-            line[line.len() - 1]
-        }
-        .1;
+        let end = if first_is_inner { 0 } else { line.len() - 1 };
+        let way = [place(self.tip[inner].vertex), line[end].1];
         let line: Vec<[f32; 3]> = line.into_iter().map(|(_, point)| to_f32(point)).collect();
-        // The way of the blade's end, and the place of the border level with it.
-        let way = [place(self.tip[inner].vertex), end];
-        let off = |i: &usize| distance(way, place(border[*i]));
-        let mut level = (1..border.len()).min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        let motion = leads.iter().map(|lead| lead.distance).fold(1.0, f64::max);
+        let reach = motion * self.local;
+        let off = |i: usize| distance(way, place(border[i]));
+        let mut level = level(border.len(), reach, off)?;
         // An edge of the border to the tip is opened with it.
         if level + 2 == border.len() {
             level += 1;
         }
-        let ends = [border[0], border[level]].map(place);
-        let width = PATH_WIDTH * self.local;
-        let [from, to] = [&tip, &line].map(|line| ends.map(|p| offset(line, p)));
-        let part = vanishing_part(from, to, 0.0, [[width; 2]; 2])?;
-        let least = MIN_MOTION * self.local;
-        let is_ahead = |k: usize, lead: &Lead| -from[k].dot(&lead.ahead) >= least;
-        let is_ahead = is_ahead(0, &leads[at_surface])
-            && (level + 1 == border.len() || is_ahead(1, &leads[inner]));
-        (is_ahead && off(&level) <= width).then(|| Closing {
+        let passings = border[..=level].iter().map(|&v| {
+            let p = place(v);
+            let passing = Passing::of([&tip, &line].map(|line| offset(line, p)));
+            (passing.distance <= reach).then_some(passing)
+        });
+        let passings = passings.collect::<Option<Vec<Passing>>>()?;
+        let own = &passings[..level];
+        let ahead: Vec3 = leads.iter().map(|lead| lead.ahead).sum();
+        let ahead = ahead.try_normalize(0.0)?;
+        let progress = |passing: &Passing| passing.from_tip.dot(&ahead);
+        let is_near = |passing: &Passing| passing.distance <= MIN_STEP * self.local;
+        let is_noticeable = |passing: &Passing| progress(passing) >= MIN_MOTION * self.local;
+        let closes = own.iter().any(is_near)
+            && own.iter().any(is_noticeable)
+            && own.iter().all(|passing| progress(passing) > 0.0);
+        let part = (passings[0].part + passings[level].part) / 2.0;
+        closes.then(|| Closing {
             border: border[..=level].to_vec(),
             blade: between(&self.pose, blade, part),
         })
+    }
+}
+
+/// Returns the number of the vertex of a border, not the first one, that is level with the way of
+/// the blade's end: the nearest of the first ones within `reach`, given their distances \[m\].
+fn level(count: usize, reach: f64, distance: impl Fn(usize) -> f64) -> Option<usize> {
+    let first = (1..count).find(|&i| distance(i) <= reach)?;
+    let near = (first..count).take_while(|&i| distance(i) <= reach);
+    near.min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+}
+
+/// A point that the blade passes on its way from the tip.
+#[derive(Debug, Clone, Copy)]
+struct Passing {
+    /// The vector to it from the tip \[m\].
+    from_tip: Vec3,
+    /// The part of the blade's motion after which it is nearest, and its distance then \[m\].
+    part: f64,
+    distance: f64,
+}
+
+impl Passing {
+    /// Returns the passing of a point, given the vectors from it to the tip and to the blade.
+    fn of([to_tip, to_blade]: [Vec3; 2]) -> Self {
+        let change = to_blade - to_tip;
+        let part = -change.dot(&to_tip) / change.norm_squared();
+        let part = if part.is_nan() {
+            0.0
+        } else {
+            part.clamp(0.0, 1.0)
+        };
+        Self {
+            from_tip: -to_tip,
+            part,
+            distance: (to_tip + change * part).norm(),
+        }
     }
 }
 

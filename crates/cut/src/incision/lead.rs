@@ -28,7 +28,7 @@ pub(super) struct Lead {
     place: Vec3,
     pub(super) target: Vec3,
     /// Distance, and the part of it ahead [local edge lengths]; 0 beyond an end of the blade.
-    distance: f64,
+    pub(super) distance: f64,
     progress: f64,
     /// Whether the blade is behind the vertex.
     is_behind: bool,

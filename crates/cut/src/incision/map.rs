@@ -110,8 +110,6 @@ impl BladeMap {
 
 /// Returns the anchors at the ends of a part of the tip, moved to where the blade pierces the
 /// surface near them now, if it does.
-///
-/// An end in the body is no anchor if the other one is on the surface.
 fn anchors_of(
     surface: &Surface,
     part: &[TipPoint],
@@ -121,9 +119,6 @@ fn anchors_of(
     let last = part.len() - 1;
     let mut ends = vec![0, last];
     ends.dedup();
-    if ends.iter().any(|&i| !part[i].is_inner) {
-        ends.retain(|&i| !part[i].is_inner);
-    }
     let mut around: Vec<VertexId> = ends.iter().map(|&i| part[i].vertex).collect();
     let fitted = inverse_gradient(surface, &around);
     let mut anchors = Vec::with_capacity(ends.len());

@@ -133,7 +133,7 @@ impl Path {
     /// `width` and the distance of the walls \[m\].
     ///
     /// The blade was `back` behind the tip and has moved by `motion` \[m\]. So it cannot be where
-    /// the way crosses itself. If `back` is infinite, the blade is at the place nearest to the start.
+    /// the way crosses itself. If `back` is infinite, it is at the place nearest to the start.
     pub(super) fn find(
         &self,
         surface: &Surface,
@@ -185,33 +185,25 @@ impl Path {
     }
 }
 
-/// Returns whether two vectors that change linearly are both at most as long as `widths`, which
+/// Returns whether two vectors that change linearly are each at most as long as `widths`, which
 /// change with them, at a time from `earliest` to 1.
+///
+/// Their times may differ: a blade that turned is level with other parts of the way at its ends.
 pub(super) fn do_vanish(
     from: [Vec3; 2],
     to: [Vec3; 2],
     earliest: f64,
-    widths: [[f64; 2]; 2],
-) -> bool {
-    vanishing_part(from, to, earliest, widths).is_some()
-}
-
-/// Returns the time of [`do_vanish`] at which the vectors are shortest, if they vanish.
-pub(super) fn vanishing_part(
-    from: [Vec3; 2],
-    to: [Vec3; 2],
-    earliest: f64,
     [first, last]: [[f64; 2]; 2],
-) -> Option<f64> {
-    let change = [0, 1].map(|k| to[k] - from[k]);
-    let along: f64 = (0..2).map(|k| change[k].dot(&from[k])).sum();
-    let length: f64 = change.iter().map(Vec3::norm_squared).sum();
-    let part = if length > 0.0 {
-        (-along / length).clamp(earliest, 1.0)
-    } else {
-        1.0
-    };
-    let width = |k: usize| first[k] + (last[k] - first[k]) * part.max(0.0);
-    let is_gone = |k: usize| (from[k] + change[k] * part).norm() <= width(k);
-    (0..2).all(is_gone).then_some(part)
+) -> bool {
+    (0..2).all(|k| {
+        let change = to[k] - from[k];
+        let part = -change.dot(&from[k]) / change.norm_squared();
+        let part = if part.is_nan() {
+            1.0
+        } else {
+            part.clamp(earliest, 1.0)
+        };
+        let width = first[k] + (last[k] - first[k]) * part.max(0.0);
+        (from[k] + change * part).norm() <= width
+    })
 }

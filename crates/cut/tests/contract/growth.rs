@@ -182,7 +182,7 @@ fn walls_of_a_circling_blade_keep_their_partners() {
         let lift = if step == 0 { 0.7 } else { 0.0 };
         let pose = [0.0, 1.0].map(|y| to_f32(Vec3::new(0.2 * cos, y + lift, 0.2 * sin)));
         let outcome = cutter.advance(&mut body, &mut incision, &pose, &params(0.1));
-        assert!(outcome.is_ok(), "step {step}");
+        assert!(outcome.is_ok(), "step {step}: {outcome:?}");
         assert_eq!(lone_walls(&body), 0, "step {step}");
     }
     check(&body);

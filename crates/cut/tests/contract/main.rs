@@ -5,6 +5,7 @@ mod common;
 mod crossing;
 mod curved;
 mod exact;
+mod excision;
 mod flat;
 mod folds;
 mod growth;

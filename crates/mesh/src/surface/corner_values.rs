@@ -60,7 +60,7 @@ impl CornerValues {
             && rows.all(|((own, mean), (a, b))| is_near(&own.0, &mean.0, &a.0, &b.0))
     }
 
-    /// Returns whether the normals differ by at most `tolerance` and the other attributes by nothing.
+    /// Returns whether the normals differ by at most `tolerance` and other attributes by nothing.
     #[must_use]
     pub fn is_like(&self, other: &Self, tolerance: f64) -> bool {
         let normals = [self.normal, other.normal].map(Option::unwrap_or_default);
