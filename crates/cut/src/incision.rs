@@ -48,6 +48,8 @@ const PATH_WIDTH: f64 = 0.25;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Incision {
     pose: Vec<[f32; 3]>,
+    /// The blade at the last call without a tip. Its pose lags while it moves along its edge.
+    seen: Vec<[f32; 3]>,
     tip: Vec<TipPoint>,
     path: Path,
     /// By end of the blade, the vertices behind it at which both walls meet, up to the tip.
@@ -62,7 +64,7 @@ pub struct Incision {
     state: IncisionState,
     /// Number of refused steps since the last step that cut.
     refused_steps: u32,
-    /// The places to which the last of them would have moved the tip's vertices \[m\].
+    /// Target positions of the tip's vertices in the last refused step \[m\].
     refused: Vec<Vec3>,
 }
 
@@ -101,7 +103,7 @@ pub(crate) struct TipPoint {
     pub(crate) is_inner: bool,
 }
 
-/// What a step has cut.
+/// The data of a step that has cut something.
 pub(crate) struct Step<'a> {
     pub(crate) approach: &'a Approach,
     /// The largest length of edges along it \[m\].
@@ -111,7 +113,7 @@ pub(crate) struct Step<'a> {
 }
 
 impl Incision {
-    /// Returns whether the blade is inside the body.
+    /// Returns whether the cut has a tip in the body.
     #[must_use]
     pub fn is_inside(&self) -> bool {
         !self.tip.is_empty()
@@ -160,6 +162,7 @@ impl Incision {
     /// Ends the incision where it is; the next motion of the blade starts at `pose` \[m\].
     pub fn restart(&mut self, pose: &[[f32; 3]]) {
         self.take_pose(pose);
+        self.see(pose);
         self.leave();
     }
 
@@ -176,6 +179,22 @@ impl Incision {
         self.back = None;
         self.refused.clear();
         self.refused_steps = 0;
+    }
+
+    /// Restarts at `pose` \[m\] a blade without a tip that was elsewhere at the last call.
+    ///
+    /// For callers that skip calls while a blade is far from the body.
+    pub fn resume(&mut self, pose: &[[f32; 3]]) {
+        let waits = self.is_inside() || self.state == IncisionState::Blocked;
+        if !waits && self.seen != pose {
+            self.restart(pose);
+        }
+    }
+
+    /// Stores the blade of a call.
+    fn see(&mut self, blade: &[[f32; 3]]) {
+        self.seen.clear();
+        self.seen.extend_from_slice(blade);
     }
 
     /// Stores the blade's pose.
@@ -234,6 +253,7 @@ impl Incision {
             extend_border(border, &step.borders[k], end);
         }
         if tip.is_empty() {
+            self.see(pose);
             self.state = IncisionState::Finished;
             if closing.is_some() {
                 self.back = Some(0.0);

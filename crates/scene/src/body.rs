@@ -259,9 +259,7 @@ impl Body {
                     self.incisions.len() - 1
                 });
                 let incision = &mut self.incisions[own].1;
-                if !incision.is_inside() && incision.state() != IncisionState::Blocked {
-                    incision.restart(&blade.previous_edge());
-                }
+                incision.resume(&blade.previous_edge());
                 let edge = blade.edge();
                 let cut = (self.cutter).advance(&mut self.surface, incision, &edge, params);
                 stepped = incision.sweep().cloned();

@@ -4,7 +4,7 @@ use super::closing::Closing;
 use super::lead::{MIN_MOTION, free_standing, has_moved, is_ahead, standing};
 use super::line::offset;
 use super::map::BladeMap;
-use super::path::do_vanish;
+use super::path::come_within;
 use super::piercings::piercings;
 use super::{Incision, IncisionState, PATH_WIDTH, TipPoint};
 use crate::error::CutError;
@@ -33,7 +33,8 @@ pub(crate) struct Approach {
 impl Incision {
     /// Returns how a motion to a new pose cuts, or none if it does not.
     ///
-    /// None for the first pose, for a motion that is too small, and for one back along the path.
+    /// None for the first pose, for a motion that is too small or along the edge alone, for one back
+    /// along the path, for a blade that has left beside it, and for a step that was just refused.
     /// `near` finds the triangles in a box, and `is_inside` whether a point is in the body.
     ///
     /// # Errors
@@ -57,6 +58,9 @@ impl Incision {
             return Ok(None);
         }
         self.check_tip(surface);
+        if !self.is_inside() {
+            self.see(blade);
+        }
         if !self.is_inside() && self.back.is_some() {
             if self.goes_back(surface, blade) {
                 self.take_pose(blade);
@@ -65,7 +69,7 @@ impl Incision {
             self.leave();
         }
         let near = near(&Aabb::around(blade.iter().copied()));
-        if !self.is_inside() && self.slides(surface, blade, &near) {
+        if !self.is_inside() && self.slide_pose(surface, blade, &near) {
             return Ok(None);
         }
         if !self.is_inside() && self.state != IncisionState::Blocked {
@@ -121,11 +125,11 @@ impl Incision {
         }))
     }
 
-    /// Returns whether a blade without a tip has moved along its edge alone, up to
-    /// [`MIN_MOTION`], near the surface. The last pose then slides along with it.
+    /// Moves the last pose along with a blade without a tip that moves along its edge near the
+    /// surface, up to [`MIN_MOTION`]. Returns whether it does.
     ///
     /// A stab has no width. It cuts once the blade moves across, from where it was stabbed in.
-    fn slides(&mut self, surface: &Surface, blade: &[[f32; 3]], near: &[TriangleId]) -> bool {
+    fn slide_pose(&mut self, surface: &Surface, blade: &[[f32; 3]], near: &[TriangleId]) -> bool {
         if near.is_empty() {
             return false;
         }
@@ -182,6 +186,6 @@ impl Incision {
     fn passes_tip(&self, surface: &Surface, blade: &[[f32; 3]], width: f64) -> bool {
         let ends = [self.tip[0], self.tip[self.tip.len() - 1]];
         let off = |pose: &[[f32; 3]]| ends.map(|end| offset(pose, surface.position(end.vertex)));
-        do_vanish(off(&self.pose), off(blade), 0.0, [[width; 2]; 2])
+        come_within(off(&self.pose), off(blade), 0.0, [[width; 2]; 2])
     }
 }

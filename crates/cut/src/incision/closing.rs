@@ -81,8 +81,9 @@ impl Incision {
     }
 }
 
-/// Returns the number of the vertex of a border, not the first one, that is level with the way of
-/// the blade's end: the nearest of the first ones within `reach`, given their distances \[m\].
+/// Returns the index of the border's vertex that is level with the blade's end, above 0.
+///
+/// It is the nearest in the first run of vertices within `reach`, given their distances \[m\].
 fn level(count: usize, reach: f64, distance: impl Fn(usize) -> f64) -> Option<usize> {
     let first = (1..count).find(|&i| distance(i) <= reach)?;
     let near = (first..count).take_while(|&i| distance(i) <= reach);

@@ -41,9 +41,7 @@ impl Incision {
         near: impl FnMut(&Aabb) -> Vec<TriangleId>,
     ) -> Result<Option<Stroke>, CutError> {
         let map = &approach.map;
-        let Some(columns) = self.front(surface, approach, blade, rise, near) else {
-            return Ok(None);
-        };
+        let columns = self.front(surface, approach, blade, rise, near);
         let points = |of: fn(&Column) -> Vec3| -> Vec<[f32; 3]> {
             columns.iter().map(|column| to_f32(of(column))).collect()
         };
@@ -81,7 +79,10 @@ impl Incision {
         }))
     }
 
-    /// Returns the points of the next sweep; none if a blade outside has its front inside.
+    /// Returns the points of the next sweep.
+    ///
+    /// For a blade outside of the body, the front is displaced until it is outside as well, or not
+    /// at all if it never is.
     fn front(
         &self,
         surface: &Surface,
@@ -89,14 +90,14 @@ impl Incision {
         blade: &[[f32; 3]],
         rise: f64,
         mut near: impl FnMut(&Aabb) -> Vec<TriangleId>,
-    ) -> Option<Vec<Column>> {
+    ) -> Vec<Column> {
         let closing = approach.closing.as_ref();
         let reaches = if approach.leaves {
             &REACHES[..]
         } else {
             &REACHES[..1]
         };
-        let mut first = None;
+        let mut first = Vec::new();
         for reach in reaches {
             let offsets: Vec<Vec3> = (approach.offsets.iter().zip(&approach.ahead))
                 .map(|(offset, ahead)| offset + ahead * (reach * self.local))
@@ -111,15 +112,17 @@ impl Incision {
             };
             let mut columns = self.columns(surface, &poses, rise, closing);
             if !self.is_inside() || closing.is_some() {
-                return Some(columns);
+                return columns;
             }
             let points = columns.iter().map(|column| to_f32(column.current));
             let near = near(&Aabb::around(points));
             spread(&mut columns, surface, &near, &poses);
             if !approach.leaves || !columns::is_inside(&columns, surface, &near) {
-                return Some(columns);
+                return columns;
             }
-            first = first.or(Some(columns));
+            if first.is_empty() {
+                first = columns;
+            }
         }
         first
     }
@@ -154,7 +157,9 @@ fn parts_of(surface: &Surface, columns: &[Column]) -> Vec<TipPart> {
     for (corner, column) in closing {
         extend(&mut border, surface, corner, column.closes);
     }
-    let tip = parts.pop().unwrap_or_default();
+    let Some(tip) = parts.pop() else {
+        return vec![border];
+    };
     // Where the blade begins in the body, both meet at the first column there.
     if columns[0].closes.is_null() {
         joined(surface, tip, border)
@@ -175,10 +180,8 @@ fn extend(part: &mut TipPart, surface: &Surface, corner: u32, vertex: VertexId) 
     half_edge.is_some()
 }
 
-/// Joins two parts of a tip that may meet in the body, at the end of the first one, and at the
-/// surface, at its beginning.
-///
-/// In the body they meet at one vertex. At the surface an edge may join their ends.
+/// Joins the tip and the border of its slit, which may share a vertex in the body, at the end of
+/// the first one, and have an edge between them at the surface, at its beginning.
 fn joined(surface: &Surface, mut first: TipPart, mut last: TipPart) -> Vec<TipPart> {
     let edge = surface
         .topology()

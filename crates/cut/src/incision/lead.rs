@@ -60,12 +60,11 @@ pub(super) fn standing(leads: &[Lead], ends: bool) -> Vec<bool> {
     leads.iter().map(stands).collect()
 }
 
-/// Lets vertices of the tip move that cannot stand, by [`MIN_MOTION`] ahead. Returns the
-/// displacement of each vertex from the blade \[m\], given the length of edges near the tip \[m\].
+/// Moves vertices that cannot stand ahead by [`MIN_MOTION`].
 ///
-/// Walls stay joined at a vertex that stands, and at an end in the body. So none stands alone
-/// between two that move, where the new tip would turn back, or beside such an end that moves: one
-/// edge between two of them cannot be opened.
+/// Returns the displacement of each vertex from the blade \[m\]; `local` is the edge length \[m\].
+/// Walls stay joined at a vertex that stands. Alone between two that move, it would turn the tip
+/// back. Beside an end in the body that moves, the edge between both could not be opened.
 pub(super) fn free_standing(
     leads: &[Lead],
     tip: &[TipPoint],

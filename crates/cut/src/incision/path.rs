@@ -172,7 +172,7 @@ impl Path {
             let length = (0..2).fold(0.0, |m, k| (to[k].0 - from[k].0).norm().max(m));
             let widths = [from, to].map(|ends| ends.map(|end| width + end.1));
             let is_near = back.is_infinite() || behind + length >= back - reach;
-            if is_near && do_vanish(first, last, earliest, widths) {
+            if is_near && come_within(first, last, earliest, widths) {
                 found = Some(behind);
                 if back.is_finite() {
                     break;
@@ -185,11 +185,11 @@ impl Path {
     }
 }
 
-/// Returns whether two vectors that change linearly are each at most as long as `widths`, which
-/// change with them, at a time from `earliest` to 1.
+/// Returns whether two vectors that change linearly each become as short as `widths`, which change
+/// with them, at a time from `earliest` to 1.
 ///
-/// Their times may differ: a blade that turned is level with other parts of the way at its ends.
-pub(super) fn do_vanish(
+/// Their times may differ: the ends of a blade that turned are level with other parts of the way.
+pub(super) fn come_within(
     from: [Vec3; 2],
     to: [Vec3; 2],
     earliest: f64,

@@ -53,7 +53,7 @@ impl ContinuedTip {
         self.parts.iter().any(|part| part.corners.contains(&corner))
     }
 
-    /// Returns whether both walls meet at a vertex, which is not that of a sheet.
+    /// Returns whether a part of the tip with edges has a vertex, at which both walls meet.
     pub(crate) fn is_joined(&self, vertex: VertexId) -> bool {
         let mut joined = self.parts.iter().filter(|part| part.is_joined());
         joined.any(|part| part.vertices.contains(&vertex))
@@ -107,7 +107,7 @@ impl TipPart {
         [before, after]
     }
 
-    /// Appends a part that begins with this half-edge from the last vertex, or at it if null.
+    /// Appends a part, joined by a half-edge, or at the common vertex if that is null.
     pub(crate) fn append(&mut self, half_edge: HalfEdge, other: &Self) {
         let is_same = half_edge.is_null();
         self.half_edges.extend((!is_same).then_some(half_edge));

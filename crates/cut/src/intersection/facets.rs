@@ -71,7 +71,8 @@ impl Facets {
     ///
     /// Between points i and j = i + 1, facet 2 i lies at the previous edge and facet 2 i + 1 at the
     /// current edge. Where one of the points stands still, facet 2 i lies at both, and the other
-    /// does not exist. Where both are one vertex of the tip, before or now, there is no facet.
+    /// does not exist. Where the previous or the current points coincide, the facet at their edge
+    /// does not exist.
     pub(crate) fn read(&mut self, sweep: &Sweep, tip: &ContinuedTip) {
         let n = index_u32(sweep.previous().len());
         self.corners.clear();

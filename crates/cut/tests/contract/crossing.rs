@@ -52,7 +52,7 @@ fn cut(body: &mut Surface, paths: &[Path<'_>], snap: f64) -> usize {
 }
 
 #[test]
-fn a_slit_across_the_tip_of_another_one() {
+fn a_slit_crosses_the_tip_of_another_one() {
     let slit = [-0.888_367_9, -0.292_896_87, 0.302_574_13];
     let slit = slit.map(|z| [[0.0, -0.787_087_4, z], [0.0, 0.787_087_4, z]]);
     let across = [-0.888_367_9, -0.296_122_6, 0.296_122_6, 0.888_367_9];
@@ -80,7 +80,7 @@ fn shortest_edge(body: &Surface) -> f64 {
     lengths.fold(f64::INFINITY, f64::min)
 }
 
-/// The section had a slit where it crossed the walls. An edge without length joined its sides.
+/// The section has a slit where it crosses the walls, whose sides stay apart.
 #[test]
 fn a_cut_across_a_slit_does_not_join_its_walls() {
     for cells in [1, 2, 5] {

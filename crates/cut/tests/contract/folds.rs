@@ -65,7 +65,7 @@ fn cube(diagonals: u32) -> Surface {
     Surface::from_triangles(&positions, &faces.collect::<Vec<_>>()).unwrap()
 }
 
-/// The sweep passed through itself: its curve crossed the one from the tip, in one triangle.
+/// The sweep passes through itself: its curve crosses the one from the tip, in one triangle.
 #[test]
 fn a_sweep_through_itself_does_not_fold_the_skin() {
     let poses = [

@@ -105,9 +105,6 @@ fn shortest_edge(surface: &Surface) -> f64 {
 /// Twenty slits through the middle leave at most twice the triangles that the corners of their
 /// arrangement and the area of the walls need. All walls stay mirror images, no edge is without
 /// length.
-///
-/// The 14th of the slits with another seed once joined both sides of others with such edges: its
-/// section has 51 loops.
 #[test]
 fn crossing_slits_leave_few_triangles() {
     for snap in [0.0, 0.1] {
@@ -144,7 +141,7 @@ fn crossing_slits_leave_few_triangles() {
 /// Rim points between steps go where the skin is flat.
 #[test]
 fn a_slit_in_steps_has_few_walls() {
-    // Blade poses at a distance from the middle, inward negative.
+    // Poses at a distance behind the middle; the blade comes from negative ones.
     let pose = |depth: f32| [-1.0, 1.0].map(|y| [0.01 + 0.1 * y, y, depth]);
     for has_normals in [false, true] {
         let mut whole = icosphere(2, 0.5);
@@ -170,8 +167,7 @@ fn a_slit_in_steps_has_few_walls() {
     }
 }
 
-/// A blade that circles cuts along its own slit, from the second lap on at most a thousandth of an
-/// edge beside it. An end of a curve once moved on one wall only.
+/// Ends of the curves of a circling blade move on both walls of its slit.
 #[test]
 fn walls_of_a_circling_blade_keep_their_partners() {
     let mut body = icosphere(2, 0.5);

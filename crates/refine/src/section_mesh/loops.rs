@@ -259,7 +259,7 @@ impl SectionLoops {
         (0..n).map(part).sum::<f64>() / 2.0
     }
 
-    /// Returns whether a loop turns back at corner `k` and ran there through its own inside.
+    /// Returns whether the inner end of a slit is at corner `k` of a loop.
     ///
     /// It returns on the same way, up to `tolerance`, to a mouth. There the inside is left of both
     /// branches, and the slit leaves between them. A loop without a mouth is a slit if other loops

@@ -81,10 +81,9 @@ impl Splitter {
         self.ears.push([self.ring[0], self.ring[1], self.ring[2]]);
     }
 
-    /// Cuts valid ears off the ring, the one with the largest angles first, and takes back ears
-    /// after which none is left.
+    /// Clips ears, the one with the largest smallest angle first, and backtracks at dead ends.
     ///
-    /// Returns false if there is no such order among the first [`MAX_EARS`] ears.
+    /// Returns false if it finds no triangulation within [`MAX_EARS`] extra ears.
     fn search_ears(&mut self, nodes: &[Node], hit: Hit<'_>) -> bool {
         let choices = |own: &Self| {
             let at = |i: usize| position(own.polygon[own.ring[i]].corner, nodes, &hit.corners);
@@ -189,10 +188,10 @@ impl Splitter {
     }
 }
 
-/// Number of the best ears among which [`Splitter::search_ears`] chooses each time.
+/// Maximum number of candidates for each ear of [`Splitter::search_ears`].
 const MAX_CHOICES: usize = 8;
 
-/// Number of ears that [`Splitter::search_ears`] cuts off beyond those of a polygon.
+/// Maximum number of extra ears that [`Splitter::search_ears`] clips while it backtracks.
 ///
 /// A triangle with two slits has a dozen corners and needs a few.
 const MAX_EARS: usize = 1000;

@@ -19,11 +19,11 @@ const LENGTHS: [f64; 2] = [std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::SQ
 
 /// Maximum volume by which a collapse on the skin changes the body [cubes of the target length].
 ///
-/// It is 0 but for rounding while the triangles around are flat, which those of a moving body are
-/// not quite. Ten of them change a body of one cube by 1e-5, as a cut without snapping may.
+/// It is 0 up to rounding where the skin is flat, and the skin of a moving body is nearly flat. Ten
+/// collapses change a body of one cube by 1e-5, as a cut without snapping may.
 const MAX_VOLUME: f64 = 1e-6;
 
-/// A way of a point onto a neighbor.
+/// A candidate collapse of a point onto a neighbor.
 #[derive(Debug, Clone)]
 pub(super) struct Target {
     /// A vertex of the neighbor.

@@ -60,11 +60,13 @@ impl Walls {
         let Some(pair) = found else {
             return false;
         };
+        let mut is_flipped = false;
         for h in pair {
             let twin = edit.surface().topology().twin(h);
             if edit.flip_edge(h).is_err() {
                 continue;
             }
+            is_flipped = true;
             let topology = edit.surface().topology();
             for h in [h, twin]
                 .into_iter()
@@ -75,11 +77,11 @@ impl Walls {
                 changed.extend(self.points.point_of(v));
             }
         }
-        true
+        is_flipped
     }
 }
 
-/// Returns whether the edges of two half-edges, on two walls, may be flipped, and better are.
+/// Returns whether flipping two coincident diagonals is valid and enlarges the smallest angle.
 fn may_flip(surface: &Surface, shape: &Shape, pair: [HalfEdge; 2]) -> bool {
     let topology = surface.topology();
     let quad = |h: HalfEdge| {
