@@ -8,8 +8,8 @@
 use incise_mesh::{Blend, Channel, ChannelError, Domain, Edit, Surface};
 use incise_mesh::{TriangleId, Vec3, VertexId};
 
-/// Name of the channel, with two values per vertex: the target length at rest \[m\], 0 if no cut has
-/// come near, and a value above 0 if a cut has made the vertex.
+/// Name of the channel, with two values per vertex: the target length at rest \[m\], 0 if no cut
+/// has come near, and a value above 0 if a cut has made the vertex.
 pub(crate) const CHANNEL: &str = "cut_sizing";
 
 /// The shape of a surface in which its rest positions are.

@@ -33,8 +33,9 @@ pub(crate) struct Approach {
 impl Incision {
     /// Returns how a motion to a new pose cuts, or none if it does not.
     ///
-    /// None for the first pose, for a motion that is too small or along the edge alone, for one back
-    /// along the path, for a blade that has left beside it, and for a step that was just refused.
+    /// None for the first pose, for a motion that is too small or along the edge alone, for one
+    /// back along the path, for a blade that has left beside it, and for a step that was just
+    /// refused.
     /// `near` finds the triangles in a box, and `is_inside` whether a point is in the body.
     ///
     /// # Errors

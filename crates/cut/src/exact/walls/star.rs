@@ -78,8 +78,8 @@ impl Star {
 
     /// Marks the spokes whose left triangle has no partner around the point `own`.
     ///
-    /// Returns whether the point may go. No spoke may run along a tip or have no length. Around each
-    /// vertex, the triangles without a partner must form one run, or none has any.
+    /// Returns whether the point may go. No spoke may run along a tip or have no length. Around
+    /// each vertex, the triangles without a partner must form one run, or none has any.
     pub(super) fn find_skin(&mut self, own: [u32; 3]) -> bool {
         let is_excluded = |spoke: &Spoke| spoke.left == spoke.right || spoke.to == own;
         if self.spokes.iter().any(is_excluded) {
