@@ -97,9 +97,11 @@ fn assert_vertices_match(before: &Surface, after: &Surface, delta: &TopologyDelt
                 assert_weights(weights, v);
                 let [a, b, c] = *corners;
                 let topology = before.topology();
+                // In either order: corners are sorted, so that coincident walls round alike.
                 let third = |h: HalfEdge| topology.origin(h.prev());
-                let face = topology.find_half_edge(a, b);
-                (corners, face.is_some_and(|h| third(h) == c))
+                let mut faces = [(a, b), (b, a)].into_iter();
+                let is_face = |(a, b)| topology.find_half_edge(a, b).is_some_and(|h| third(h) == c);
+                (corners, faces.any(is_face))
             }
             VertexOrigin::OnCap { parents, weights } => {
                 assert_weights(weights, v);

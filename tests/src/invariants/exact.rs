@@ -144,8 +144,13 @@ fn local_edge(before: &Surface, origin: &VertexOrigin) -> Option<f64> {
             .filter_map(|&(a, b)| Some(topology.find_half_edge(a, b)?.triangle()))
             .collect(),
         VertexOrigin::InFace {
-            corners: [a, b, _], ..
-        } => vec![topology.find_half_edge(a, b)?.triangle()],
+            corners: [a, b, c], ..
+        } => [(a, b), (b, a)]
+            .iter()
+            .filter_map(|&(a, b)| topology.find_half_edge(a, b))
+            .filter(|h| topology.origin(h.prev()) == c)
+            .map(HalfEdge::triangle)
+            .collect(),
         _ => return None,
     };
     let perimeter = |t: &TriangleId| {

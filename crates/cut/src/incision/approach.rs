@@ -69,7 +69,9 @@ impl Incision {
             }
             self.leave();
         }
-        let near = near(&Aabb::around(blade.iter().copied()));
+        let mut near = near(&Aabb::around(blade.iter().copied()));
+        // The order depends on the BVH, and sums of lengths must not.
+        near.sort_unstable();
         if !self.is_inside() && self.slide_pose(surface, blade, &near) {
             return Ok(None);
         }
