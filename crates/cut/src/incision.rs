@@ -3,12 +3,13 @@
 mod approach;
 mod closing;
 mod columns;
-mod front;
+
 mod lead;
 mod line;
 mod map;
 mod path;
 mod piercings;
+mod step_sweep;
 
 #[cfg(feature = "serde")]
 use crate::error::CutError;
@@ -16,9 +17,9 @@ use crate::exact::RimMove;
 use crate::sweep::Sweep;
 pub(crate) use approach::Approach;
 use columns::is_at_boundary;
-pub(crate) use front::Stroke;
 use incise_mesh::{Surface, Vec3, VertexId};
 use path::Path;
+pub(crate) use step_sweep::StepSweep;
 
 /// Motion of the blade after which the cut goes on [local edge lengths].
 ///

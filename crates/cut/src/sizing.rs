@@ -67,7 +67,7 @@ pub(crate) fn local_length(
             let next = corners[(k + 1) % 3];
             let [p, q] = [v, next].map(|v| shape.position(surface, v));
             edges += (q - p).norm();
-            sum += target(surface, shape, channel, v);
+            sum += row_target(channel, v).unwrap_or_else(|| mean_around(surface, shape, v));
             count += 1.0;
         }
     }
@@ -81,11 +81,11 @@ pub(crate) fn local_length(
     sum / count * stretch
 }
 
-/// Returns the target length at a vertex at rest \[m\]: the stored one, or the mean of its edges.
-fn target(surface: &Surface, shape: RestShape, channel: &Channel, v: VertexId) -> f64 {
+/// Returns the target length in the row of a vertex \[m\]; none without any.
+fn row_target(channel: &Channel, v: VertexId) -> Option<f64> {
     match channel.row(v.index()) {
-        &[target, _] if target > 0.0 => f64::from(target),
-        _ => mean_around(surface, shape, v),
+        &[target, _] if target > 0.0 => Some(f64::from(target)),
+        _ => None,
     }
 }
 
@@ -149,8 +149,5 @@ pub(crate) fn is_made(surface: &Surface, v: VertexId) -> bool {
 
 /// Returns the target length stored at a vertex \[m\]; none without any.
 pub(crate) fn stored(surface: &Surface, v: VertexId) -> Option<f64> {
-    match surface.channel(CHANNEL)?.row(v.index()) {
-        &[target, _] if target > 0.0 => Some(f64::from(target)),
-        _ => None,
-    }
+    row_target(surface.channel(CHANNEL)?, v)
 }

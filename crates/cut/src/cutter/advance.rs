@@ -3,7 +3,7 @@
 use super::Cutter;
 use crate::blade_position::is_in_body;
 use crate::error::CutError;
-use crate::incision::{Approach, Incision, Step, Stroke};
+use crate::incision::{Approach, Incision, Step, StepSweep};
 use crate::intersection::continued_tip::ContinuedTip;
 use crate::outcome::CutOutcome;
 use crate::params::CutParams;
@@ -142,10 +142,10 @@ impl Cutter {
                 self.scan.query(surface, bounds, &mut found);
                 found
             };
-            let Some(stroke) = incision.stroke(surface, approach, blade, rise, near)? else {
+            let Some(stroke) = incision.step_sweep(surface, approach, blade, rise, near)? else {
                 break;
             };
-            let Stroke { sweep, tip, .. } = &stroke;
+            let StepSweep { sweep, tip, .. } = &stroke;
             match self.try_displaced(surface, sweep, params, tip, may_start_inside) {
                 Err(error) if is_retried(&error, tip) && !may_start_inside => {}
                 result => {

@@ -12,8 +12,8 @@
 //! - [`flip`]: the diagonal of two triangles and that of their partners are flipped, but not those
 //!   of the cut's own walls, whose triangles are mirror images corner by corner.
 //!
-//! The walls move by at most [`MAX_OFFSET`] target lengths. O(k log k) for k triangles near the
-//! cut.
+//! Each operation moves a wall by at most [`MAX_OFFSET`] target lengths. A pass over k triangles
+//! near the cut is O(k log k).
 
 mod collapse;
 mod flip;
@@ -31,6 +31,8 @@ use points::Points;
 use star::Star;
 
 /// Maximum displacement of a wall by an operation [target lengths].
+///
+/// An edge of one target length is as far off an arc whose radius is six of them.
 const MAX_OFFSET: f64 = 0.02;
 
 /// Sine of the smallest angle above which a collapse may make angles smaller: 20 degrees, as of
@@ -39,7 +41,7 @@ const MAX_OFFSET: f64 = 0.02;
 /// Cells between crossing walls have smaller corners, and points to enlarge these would be many.
 const GOOD_SINES: [f64; 2] = [0.342_020_143_325_668_7, 0.173_648_177_666_930_3];
 
-/// Rounding error of a stored coordinate [of the largest coordinate].
+/// Rounding error of the difference of two stored coordinates [of the largest coordinate].
 const ROUNDING: f64 = f32::EPSILON as f64;
 
 /// The walls near a cut, with scratch memory.

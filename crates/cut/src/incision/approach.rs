@@ -35,8 +35,7 @@ impl Incision {
     ///
     /// None for the first pose, for a motion that is too small or along the edge alone, for one
     /// back along the path, for a blade that has left beside it, and for a step that was just
-    /// refused.
-    /// `near` finds the triangles in a box, and `is_inside` whether a point is in the body.
+    /// refused. `near` finds the triangles in a box, and `is_inside` whether a point is in the body.
     ///
     /// # Errors
     /// [`CutError::PolylineLength`] and [`CutError::SweepNotFinite`].
@@ -47,45 +46,18 @@ impl Incision {
         near: impl FnOnce(&Aabb) -> Vec<TriangleId>,
         is_inside: impl FnOnce([f32; 3]) -> bool,
     ) -> Result<Option<Approach>, CutError> {
-        if blade.len() < 2 {
-            let [previous, current] = [blade.len(); 2];
-            return Err(CutError::PolylineLength { previous, current });
-        }
-        if let Some(corner) = (blade.iter()).position(|p| !p.iter().all(|x| x.is_finite())) {
-            return Err(CutError::SweepNotFinite { corner });
-        }
+        check_blade(blade)?;
         if self.pose.len() != blade.len() {
             self.restart(blade);
             return Ok(None);
         }
         self.check_tip(surface);
         if !self.is_inside() {
-            self.see(blade);
+            return Ok(self.begin_entry(surface, blade, near, is_inside));
         }
-        if !self.is_inside() && self.back.is_some() {
-            if self.goes_back(surface, blade) {
-                self.take_pose(blade);
-                return Ok(None);
-            }
-            self.leave();
-        }
-        let mut near = near(&Aabb::around(blade.iter().copied()));
-        // The order depends on the BVH, and sums of lengths must not.
-        near.sort_unstable();
-        if !self.is_inside() && self.slide_pose(surface, blade, &near) {
-            return Ok(None);
-        }
-        if !self.is_inside() && self.state != IncisionState::Blocked {
-            return Ok(Some(Approach::default()));
-        }
+        let near = near(&Aabb::around(blade.iter().copied()));
         let piercings = piercings(blade, surface, &near);
         let is_outside = piercings.is_empty() && !is_inside(blade[0]);
-        if !self.is_inside() {
-            return Ok(Some(Approach {
-                leaves: is_outside,
-                ..Approach::default()
-            }));
-        }
         let map = BladeMap::new(surface, &self.tip, &piercings, self.local);
         let (tip, leads) = self.leads(surface, &map, blade, &piercings);
         let is_ahead = is_ahead(&leads);
@@ -126,6 +98,35 @@ impl Incision {
             map,
             targets,
         }))
+    }
+
+    /// Returns how the motion of a blade without a tip cuts, or none if it does not.
+    fn begin_entry(
+        &mut self,
+        surface: &Surface,
+        blade: &[[f32; 3]],
+        near: impl FnOnce(&Aabb) -> Vec<TriangleId>,
+        is_inside: impl FnOnce([f32; 3]) -> bool,
+    ) -> Option<Approach> {
+        self.see(blade);
+        if self.back.is_some() {
+            if self.goes_back(surface, blade) {
+                self.take_pose(blade);
+                return None;
+            }
+            self.leave();
+        }
+        let mut near = near(&Aabb::around(blade.iter().copied()));
+        // The order depends on the BVH, and sums of lengths must not.
+        near.sort_unstable();
+        if self.slide_pose(surface, blade, &near) {
+            return None;
+        }
+        let is_outside = || piercings(blade, surface, &near).is_empty() && !is_inside(blade[0]);
+        Some(Approach {
+            leaves: self.state == IncisionState::Blocked && is_outside(),
+            ..Approach::default()
+        })
     }
 
     /// Moves the last pose along with a blade without a tip that moves along its edge near the
@@ -174,7 +175,7 @@ impl Incision {
             && self.refused.iter().zip(targets).all(is_near)
     }
 
-    /// Stores that a step to a pose was refused. A blade that has left without a tip starts anew.
+    /// Stores a refused step to a pose, or restarts there a blade without a tip that has left.
     pub(crate) fn refuse(&mut self, approach: Approach, blade: &[[f32; 3]]) {
         if approach.leaves && !self.is_inside() {
             self.restart(blade);
@@ -190,5 +191,17 @@ impl Incision {
         let ends = [self.tip[0], self.tip[self.tip.len() - 1]];
         let off = |pose: &[[f32; 3]]| ends.map(|end| offset(pose, surface.position(end.vertex)));
         come_within(off(&self.pose), off(blade), 0.0, [[width; 2]; 2])
+    }
+}
+
+/// Checks the points of a blade.
+fn check_blade(blade: &[[f32; 3]]) -> Result<(), CutError> {
+    if blade.len() < 2 {
+        let [previous, current] = [blade.len(); 2];
+        return Err(CutError::PolylineLength { previous, current });
+    }
+    match (blade.iter()).position(|p| !p.iter().all(|x| x.is_finite())) {
+        Some(corner) => Err(CutError::SweepNotFinite { corner }),
+        None => Ok(()),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::columns::Column;
 use super::lead::{Lead, MIN_MOTION};
-use super::line::offset;
+use super::line::{offset, part_along};
 use super::map::BladeMap;
 use super::{Incision, MIN_STEP, TipPoint};
 use incise_mesh::geometry::{to_f32, to_f64};
@@ -60,7 +60,7 @@ impl Incision {
         }
         let passings = border[..=level].iter().map(|&v| {
             let p = place(v);
-            let passing = Passing::of([&tip, &line].map(|line| offset(line, p)));
+            let passing = Passing::from_offsets([&tip, &line].map(|line| offset(line, p)));
             (passing.distance <= reach).then_some(passing)
         });
         let passings = passings.collect::<Option<Vec<Passing>>>()?;
@@ -101,15 +101,10 @@ struct Passing {
 }
 
 impl Passing {
-    /// Returns the passing of a point, given the vectors from it to the tip and to the blade.
-    fn of([to_tip, to_blade]: [Vec3; 2]) -> Self {
+    /// Makes the passing of a point, given the vectors from it to the tip and to the blade.
+    fn from_offsets([to_tip, to_blade]: [Vec3; 2]) -> Self {
         let change = to_blade - to_tip;
-        let part = -change.dot(&to_tip) / change.norm_squared();
-        let part = if part.is_nan() {
-            0.0
-        } else {
-            part.clamp(0.0, 1.0)
-        };
+        let part = part_along(change, -to_tip).map_or(0.0, |part| part.clamp(0.0, 1.0));
         Self {
             from_tip: -to_tip,
             part,
@@ -200,12 +195,7 @@ fn parts(surface: &Surface, line: &[VertexId]) -> Vec<f64> {
 /// Returns the distance of a point from a segment \[m\].
 fn distance([a, b]: [Vec3; 2], p: Vec3) -> f64 {
     let along = b - a;
-    let part = along.dot(&(p - a)) / along.norm_squared();
-    let part = if part.is_nan() {
-        0.0
-    } else {
-        part.clamp(0.0, 1.0)
-    };
+    let part = part_along(along, p - a).map_or(0.0, |part| part.clamp(0.0, 1.0));
     (a + along * part - p).norm()
 }
 

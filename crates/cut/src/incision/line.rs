@@ -39,23 +39,25 @@ pub(super) fn level_with(line: &[(f64, Vec3)], place: Vec3, near: f64) -> (f64, 
     }
 }
 
+/// Returns the part of the way `along` at which a point is, given the vector to it from the start;
+/// none without a length.
+pub(super) fn part_along(along: Vec3, to: Vec3) -> Option<f64> {
+    let part = along.dot(&to) / along.norm_squared();
+    (!part.is_nan()).then_some(part)
+}
+
 /// Returns the vector from a point to the nearest point of a blade whose ends go on straight.
 pub(super) fn offset(blade: &[[f32; 3]], from: Vec3) -> Vec3 {
     let segments = blade.windows(2).enumerate().map(|(i, ends)| {
         let [a, b] = [ends[0], ends[1]].map(to_f64);
         let along = b - a;
-        let part = along.dot(&(from - a)) / along.norm_squared();
         let low = if i == 0 { f64::NEG_INFINITY } else { 0.0 };
         let high = if i + 2 == blade.len() {
             f64::INFINITY
         } else {
             1.0
         };
-        let part = if part.is_nan() {
-            0.0
-        } else {
-            part.clamp(low, high)
-        };
+        let part = part_along(along, from - a).map_or(0.0, |part| part.clamp(low, high));
         a + along * part - from
     });
     let nearest = segments.min_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()));

@@ -1,7 +1,7 @@
 //! The way of a blade through a body, in which it may move back without a cut.
 
 use super::TipPoint;
-use super::line::{offset, point_at};
+use super::line::{offset, part_along, point_at};
 use crate::exact::RimMove;
 use incise_mesh::{Surface, Vec3, VertexId};
 
@@ -197,12 +197,7 @@ pub(super) fn come_within(
 ) -> bool {
     (0..2).all(|k| {
         let change = to[k] - from[k];
-        let part = -change.dot(&from[k]) / change.norm_squared();
-        let part = if part.is_nan() {
-            1.0
-        } else {
-            part.clamp(earliest, 1.0)
-        };
+        let part = part_along(change, -from[k]).map_or(1.0, |part| part.clamp(earliest, 1.0));
         let width = first[k] + (last[k] - first[k]) * part.max(0.0);
         (from[k] + change * part).norm() <= width
     })

@@ -190,24 +190,14 @@ impl Node {
         else {
             return;
         };
-        let points = corners.map(|v| surface.position(v));
+        // In the order of the triangle, not of the corners.
+        let points = surface.topology().triangle(*triangle);
+        let points = points.map(|v| surface.position(v));
         let heights = points.map(|p| facets.height(facet, p));
         let from = before.position;
         // A curve leaves the triangle across the edge that rises there, and enters across the one
         // that falls.
-        let [first, second, third] = surface.topology().triangle(*triangle);
-        let is_mirrored = ![
-            [first, second, third],
-            [second, third, first],
-            [third, first, second],
-        ]
-        .contains(corners);
-        let edges = if is_mirrored {
-            [(1, 0), (2, 1), (0, 2)]
-        } else {
-            [(0, 1), (1, 2), (2, 0)]
-        };
-        let crossed = edges.into_iter().find(|&(k, l)| {
+        let crossed = [(0, 1), (1, 2), (2, 0)].into_iter().find(|&(k, l)| {
             let is_below = [k, l].map(|i| heights[i] < 0.0);
             is_below == [is_last, !is_last]
         });
@@ -223,13 +213,14 @@ impl Node {
             return;
         }
         let part = part.clamp(margin, 1.0 - margin);
+        let points = corners.map(|v| surface.position(v));
         *weights = weights_of(points, from + (to - from) * part);
         let [u, v, w] = weights.map(f64::from);
         self.position = points[0] * u + points[1] * v + points[2] * w;
     }
 
-    /// Returns whether it is in a triangle whose corners cuts have made, as those of walls are.
-    pub(crate) fn is_on_wall(&self, surface: &Surface) -> bool {
+    /// Returns whether it is in a triangle between vertices that cuts have made, as on walls.
+    pub(crate) fn is_between_cut_vertices(&self, surface: &Surface) -> bool {
         match self.on {
             On::Face { corners, .. } => corners.iter().all(|&v| is_made(surface, v)),
             On::Edge { .. } | On::Tip(_) => false,
@@ -321,8 +312,9 @@ impl Node {
     }
 }
 
-/// Compares vertices: those that cuts have made by their positions, equally on two coincident
-/// walls, and others by their ids.
+/// Compares vertices, so that two coincident walls have the same order.
+///
+/// Vertices that cuts have made come last, ordered by position. Others are ordered by id.
 fn compare_vertices(surface: &Surface, a: VertexId, b: VertexId) -> Ordering {
     let places = [a, b].map(|v| is_made(surface, v).then(|| surface.positions()[v.index()]));
     let order = match places {

@@ -47,6 +47,16 @@ pub(crate) fn check_manifold(surface: &Surface) -> i64 {
     count(used) - count(edges.len()) + count(topology.triangle_count())
 }
 
+/// Returns the length of the shortest edge at rest \[m\].
+pub(crate) fn shortest_edge(surface: &Surface) -> f64 {
+    let topology = surface.topology();
+    let lengths = topology.edges().map(|h| {
+        let [a, b] = [topology.origin(h), topology.target(h)].map(|v| surface.rest_position(v));
+        (b - a).norm()
+    });
+    lengths.fold(f64::INFINITY, f64::min)
+}
+
 /// Returns the surface of a box of `counts` cells along each axis, two triangles a face.
 ///
 /// `map` takes points of the unit cube to positions.

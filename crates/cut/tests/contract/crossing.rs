@@ -1,6 +1,6 @@
 //! Slits that cross slits.
 
-use crate::common::{check, lattice_box, params};
+use crate::common::{check, lattice_box, params, shortest_edge};
 use incise_cut::{Cutter, Incision};
 use incise_mesh::Surface;
 
@@ -65,19 +65,6 @@ fn a_slit_crosses_the_tip_of_another_one() {
     let mut body = turned_box();
     let refused = cut(&mut body, &[&slit, &across], 0.1);
     assert!(refused <= 1, "{refused} refused steps");
-}
-
-/// Returns the shortest edge at rest \[m\].
-fn shortest_edge(body: &Surface) -> f64 {
-    let topology = body.topology();
-    let ends = topology
-        .edges()
-        .map(|h| [topology.origin(h), topology.target(h)]);
-    let lengths = ends.map(|ends| {
-        let [a, b] = ends.map(|v| body.rest_position(v));
-        (b - a).norm()
-    });
-    lengths.fold(f64::INFINITY, f64::min)
 }
 
 /// The section has a slit where it crosses the walls, whose sides stay apart.

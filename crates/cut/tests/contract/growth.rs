@@ -1,6 +1,6 @@
 //! Incisions that cross each other: number of triangles, partners of walls, volumes and undo.
 
-use crate::common::{check, params};
+use crate::common::{check, params, shortest_edge};
 use incise_cut::{CutParams, Cutter, Incision, Sweep};
 use incise_mesh::geometry::{area_vector, to_f32};
 use incise_mesh::{AngleStats, HalfEdge, Surface, TriangleId, Vec3, VertexId, icosphere};
@@ -89,17 +89,6 @@ fn corner_count(surface: &Surface) -> usize {
     used.filter(|&v| !topology.outgoing(v).is_null())
         .filter(is_corner)
         .count()
-}
-
-/// Returns the shortest edge at rest \[m\].
-fn shortest_edge(surface: &Surface) -> f64 {
-    let topology = surface.topology();
-    let ends = (topology.edges()).map(|h| [topology.origin(h), topology.target(h)]);
-    let lengths = ends.map(|ends| {
-        let [a, b] = ends.map(|v| surface.rest_position(v));
-        (b - a).norm()
-    });
-    lengths.fold(f64::INFINITY, f64::min)
 }
 
 /// Twenty slits through the middle leave at most twice the triangles that the corners of their

@@ -225,7 +225,7 @@ namespace Incise
     {
         /// <summary>Outside, and it has cut nothing since it was inside.</summary>
         Outside = 0,
-        /// <summary>At the tip of its cut in the body, or behind it on the way in, which begins outside.</summary>
+        /// <summary>At the tip of its cut, or moved back along its path, even out.</summary>
         Inside = 1,
         /// <summary>Ahead of the tip, because the last step was refused.</summary>
         Blocked = 2,

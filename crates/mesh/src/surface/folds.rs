@@ -5,12 +5,19 @@ use crate::geometry::{Vec3, area_vector};
 use crate::ids::{HalfEdge, VertexId};
 
 /// Maximum distance of coplanar neighbors from the plane of one of them \[longest side\].
+///
+/// About a hundred roundings of coordinates as large as that side.
 const MAX_HEIGHT: f64 = 1e-5;
 
 /// Maximum error of a distance by the rounding of four points \[largest coordinate\].
+///
+/// Each is off by at most half an epsilon along each axis, so by less than one in all.
 const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 
 /// Maximum error of the angle at an edge, above which it is unknown \[rad\].
+///
+/// Half a degree: the angle of a fold is 180 degrees, and that of the sharpest edge of a mesh is
+/// smaller by more than this.
 const MAX_ANGLE_ERROR: f64 = 1e-2;
 
 impl Surface {

@@ -14,7 +14,7 @@ use incise_mesh::index_u32;
 
 /// Maximum displacement of a corner, relative to the extent of the group.
 ///
-/// Above the rounding of 32-bit positions.
+/// 84 roundings of 32-bit positions: those of a corner and of the planes that make it add up.
 pub(crate) const MAX_DISPLACEMENT: f64 = 1e-5;
 /// Displacements to try, relative to the extent of the group.
 const DISPLACEMENTS: [f64; 3] = [1e-9, 1e-7, MAX_DISPLACEMENT];

@@ -1,6 +1,6 @@
 //! Collapses a point of the walls onto a neighbor, on all walls that meet there.
 
-use super::star::{Spoke, Star, is_affine};
+use super::star::{RingEdge, Star, is_affine};
 use super::{MAX_OFFSET, ROUNDING, Shape, Walls, smallest_sine};
 use crate::affine::AffineMap;
 use crate::exact::contract::swept_volume;
@@ -25,7 +25,7 @@ const MAX_VOLUME: f64 = 1e-6;
 
 /// A candidate collapse of a point onto a neighbor.
 #[derive(Debug, Clone)]
-pub(super) struct Target {
+pub(super) struct Collapse {
     /// A vertex of the neighbor.
     pub(super) to: VertexId,
     /// By vertex of the point, its half-edge to the neighbor; none if it moves there without one.
@@ -44,30 +44,35 @@ impl Walls {
             let own = shape
                 .rest
                 .bits(surface, surface.topology().origin(star.spokes[0].h));
-            if let Some(target) = star.zero_target(surface, own) {
+            if let Some(target) = star.zero_collapse(surface, own) {
                 star.has_skin = false;
                 Some(target).filter(|target| are_linked(surface, &star, target))
             } else if star.find_skin(own) {
-                best_target(surface, shape, &mut star)
+                best_collapse(surface, shape, &mut star)
             } else {
                 None
             }
         };
-        if let Some(target) = &best {
-            if star.has_skin {
-                let moves = star.copies.iter().zip(target.along.iter().flatten());
-                let moves =
-                    moves.map(|(own, &along)| star.rim_move(edit.surface(), shape, own, along));
-                self.moved.extend(moves.flatten());
-            }
-            self.apply(edit, shape, &star, target);
+        if let Some(target) = best.as_ref().filter(|_| star.has_skin) {
+            let moves = star.copies.iter().zip(target.along.iter().flatten());
+            let moves = moves.map(|(own, &along)| star.rim_move(edit.surface(), shape, own, along));
+            self.moved.extend(moves.flatten());
         }
+        let is_done = best.is_some_and(|target| self.apply(edit, shape, &star, &target));
         self.star = star;
-        best.is_some()
+        is_done
     }
 
-    /// Collapses the edge of each spoke onto its end, and moves the other vertices there.
-    fn apply(&mut self, edit: &mut Edit<'_>, shape: &Shape, star: &Star, target: &Target) {
+    /// Collapses the edges onto their ends, and moves the other vertices there.
+    ///
+    /// Returns whether anything has changed.
+    fn apply(
+        &mut self,
+        edit: &mut Edit<'_>,
+        shape: &Shape,
+        star: &Star,
+        target: &Collapse,
+    ) -> bool {
         let surface = edit.surface();
         let own = surface.topology().origin(star.spokes[0].h);
         let is_moved = shape.rest.bits(surface, own) != shape.rest.bits(surface, target.to);
@@ -129,12 +134,14 @@ impl Walls {
                 self.points.insert(moved, spokes[0].h, point);
             }
         }
+        let has_changed = !near.is_empty();
         near.push(target.to);
         for v in near {
             if let Some(point) = self.points.point_of(v) {
                 self.enqueue(point);
             }
         }
+        has_changed
     }
 }
 
@@ -166,7 +173,7 @@ fn moved_vertex(
 }
 
 /// Returns the way to the best neighbor.
-fn best_target(surface: &Surface, shape: &Shape, star: &mut Star) -> Option<Target> {
+fn best_collapse(surface: &Surface, shape: &Shape, star: &mut Star) -> Option<Collapse> {
     let own = surface.topology().origin(star.spokes[0].h);
     let length = shape.target(surface, own)?;
     if star.has_skin && !sizing::is_made(surface, own) {
@@ -174,19 +181,19 @@ fn best_target(surface: &Surface, shape: &Shape, star: &mut Star) -> Option<Targ
     }
     let old = (0..star.spokes.len()).map(|i| sine(surface, shape, star.spokes[i].h, None));
     let old = old.fold(f64::INFINITY, f64::min);
-    let mut best: Option<(f64, Target)> = None;
+    let mut best: Option<(f64, Collapse)> = None;
     let by_end = std::mem::take(&mut star.by_end);
     let spokes = |i: &u32| star.spokes[*i as usize];
     let topology = surface.topology();
     for own in by_end.chunk_by(|a, b| spokes(a).to == spokes(b).to) {
         let ends = |h: HalfEdge| [topology.origin(h), topology.target(h)];
-        let mut target = Target {
+        let mut target = Collapse {
             to: ends(spokes(&own[0]).h)[1],
             along: smallvec![None; star.copies.len()],
         };
         let mut is_one_each = true;
         for i in own {
-            let Spoke { h, copy, .. } = spokes(i);
+            let RingEdge { h, copy, .. } = spokes(i);
             is_one_each &= target.along[copy as usize].replace(h).is_none();
         }
         let [p, q] = ends(spokes(&own[0]).h).map(|v| shape.at(surface, v));
@@ -235,7 +242,7 @@ fn quality_onto(
     surface: &Surface,
     shape: &Shape,
     star: &Star,
-    target: &Target,
+    target: &Collapse,
     length: f64,
     least: f64,
 ) -> Option<f64> {
@@ -360,7 +367,7 @@ fn keeps_present(all: [[Vec3; 2]; 4]) -> bool {
 }
 
 /// Returns whether the link condition holds for all spokes of `target` together.
-fn are_linked(surface: &Surface, star: &Star, target: &Target) -> bool {
+fn are_linked(surface: &Surface, star: &Star, target: &Collapse) -> bool {
     let topology = surface.topology();
     let ends = |copy: usize| {
         let own = star.spokes[star.copies[copy].clone()].iter();

@@ -4,7 +4,10 @@ use super::{MAX_OFFSET, ROUNDING, Shape, Walls, smallest_sine};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{Edit, HalfEdge, Surface, VertexId};
 
-/// Minimum ratio of the smallest sine after and before a flip. Above 1, so that flips end.
+/// Minimum ratio of the smallest sine after and before a flip.
+///
+/// Above 1, so that flips end: from an angle of the size of rounding, 1e-7, it takes at most 1,620
+/// of them to a right angle.
 const MIN_GAIN: f64 = 1.01;
 
 impl Walls {

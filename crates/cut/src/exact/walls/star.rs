@@ -1,6 +1,6 @@
 //! The triangles around a point of the walls.
 
-use super::collapse::Target;
+use super::collapse::Collapse;
 use super::{MAX_OFFSET, RimMove, Shape};
 use incise_mesh::{HalfEdge, Surface, VertexId, index_u32};
 use smallvec::smallvec;
@@ -8,7 +8,7 @@ use std::ops::Range;
 
 /// A half-edge that leaves a vertex of a point.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Spoke {
+pub(super) struct RingEdge {
     pub(super) h: HalfEdge,
     /// The number of the vertex within the point.
     pub(super) copy: u32,
@@ -22,7 +22,7 @@ pub(super) struct Spoke {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Star {
     /// By vertex, counterclockwise.
-    pub(super) spokes: Vec<Spoke>,
+    pub(super) spokes: Vec<RingEdge>,
     pub(super) copies: Vec<Range<usize>>,
     /// Numbers of the spokes by their ends.
     pub(super) by_end: Vec<u32>,
@@ -52,7 +52,7 @@ impl Star {
                 if twin.is_null() {
                     return false;
                 }
-                self.spokes.push(Spoke {
+                self.spokes.push(RingEdge {
                     h: at,
                     copy,
                     to: bits(topology.target(at)),
@@ -81,7 +81,7 @@ impl Star {
     /// Returns whether the point may go. No spoke may run along a tip or have no length. Around
     /// each vertex, the triangles without a partner must form one run, or none has any.
     pub(super) fn find_skin(&mut self, own: [u32; 3]) -> bool {
-        let is_excluded = |spoke: &Spoke| spoke.left == spoke.right || spoke.to == own;
+        let is_excluded = |spoke: &RingEdge| spoke.left == spoke.right || spoke.to == own;
         if self.spokes.iter().any(is_excluded) {
             return false;
         }
@@ -112,13 +112,13 @@ impl Star {
     /// between the walls that meet there.
     ///
     /// Rounding gives two points one place. None if an edge belongs to no complete segment.
-    pub(super) fn zero_target(&self, surface: &Surface, own: [u32; 3]) -> Option<Target> {
+    pub(super) fn zero_collapse(&self, surface: &Surface, own: [u32; 3]) -> Option<Collapse> {
         let topology = surface.topology();
-        let is_zero = |spoke: &&Spoke| {
+        let is_zero = |spoke: &&RingEdge| {
             let twin = topology.twin(spoke.h);
             spoke.to == own && spoke.h < twin
         };
-        let mut zeros: Vec<Spoke> = self.spokes.iter().filter(is_zero).copied().collect();
+        let mut zeros: Vec<RingEdge> = self.spokes.iter().filter(is_zero).copied().collect();
         let is_tip = |copy: u32| {
             let own = &self.spokes[self.copies[copy as usize].clone()];
             own.iter().any(|spoke| spoke.left == spoke.right)
@@ -135,7 +135,7 @@ impl Star {
             while at < segment.len() {
                 let apexes = [segment[at].left, segment[at].right];
                 at += 1;
-                let is_next = |other: &mut Spoke| {
+                let is_next = |other: &mut RingEdge| {
                     apexes.contains(&other.left) || apexes.contains(&other.right)
                 };
                 segment.extend(zeros.extract_if(.., is_next));
@@ -147,9 +147,9 @@ impl Star {
                 continue;
             }
             // The end of more edges of the segment is kept.
-            let ends = |spoke: &Spoke| [topology.origin(spoke.h), topology.target(spoke.h)];
+            let ends = |spoke: &RingEdge| [topology.origin(spoke.h), topology.target(spoke.h)];
             let degree = |v: VertexId| segment.iter().filter(|s| ends(s).contains(&v)).count();
-            let mut target = Target {
+            let mut target = Collapse {
                 to: ends(&first)[0],
                 along: smallvec![None; self.copies.len()],
             };

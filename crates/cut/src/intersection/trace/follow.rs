@@ -275,7 +275,7 @@ impl Trace {
             let before = self.nodes[beside];
             let facet = self.nodes[end.min(beside)].facet;
             // Coincident walls may have curves of different lengths, whose ends must coincide.
-            let span = if self.nodes[end].is_on_wall(surface) {
+            let span = if self.nodes[end].is_between_cut_vertices(surface) {
                 f64::INFINITY
             } else {
                 span

@@ -1,4 +1,4 @@
-//! [`Stroke`]: the sweep of one step, from the tip to the blade.
+//! [`StepSweep`]: the sweep of one step, from the tip to the blade.
 
 use super::columns::{self, Column, Poses, spread};
 use super::line::point_at;
@@ -16,7 +16,7 @@ use incise_mesh::{Aabb, HalfEdge, Surface, TriangleId, Vec3, VertexId, index_u32
 const REACHES: [f64; 5] = [0.0, 0.125, 0.25, 0.5, 1.0];
 
 /// The sweep of one step, the tip that it continues, and its points' parameters on the blade.
-pub(crate) struct Stroke {
+pub(crate) struct StepSweep {
     pub(crate) sweep: Sweep,
     /// The sweep in the present shape, if it is another one and has an area.
     pub(crate) present: Option<Sweep>,
@@ -32,14 +32,14 @@ impl Incision {
     ///
     /// # Errors
     /// As [`Sweep::strip`].
-    pub(crate) fn stroke(
+    pub(crate) fn step_sweep(
         &mut self,
         surface: &Surface,
         approach: &Approach,
         blade: &[[f32; 3]],
         rise: f64,
         near: impl FnMut(&Aabb) -> Vec<TriangleId>,
-    ) -> Result<Option<Stroke>, CutError> {
+    ) -> Result<Option<StepSweep>, CutError> {
         let map = &approach.map;
         let columns = self.front(surface, approach, blade, rise, near);
         let points = |of: fn(&Column) -> Vec3| -> Vec<[f32; 3]> {
@@ -71,7 +71,7 @@ impl Incision {
             let current: Vec<[f32; 3]> = tip.present.iter().map(|&p| to_f32(p)).collect();
             present = Sweep::strip(&previous, &current).ok();
         }
-        Ok(Some(Stroke {
+        Ok(Some(StepSweep {
             sweep,
             present,
             tip,
