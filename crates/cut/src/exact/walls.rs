@@ -18,6 +18,7 @@
 mod collapse;
 mod flip;
 mod points;
+mod quality;
 mod star;
 
 use super::open::Sides;

@@ -38,11 +38,11 @@ impl Walls {
         if !star.find(surface, shape, self.points.starts(point)) {
             return false;
         }
-        let spoke = |i: u32| star.spokes[i as usize];
-        let mut groups = star.by_end.chunk_by(|&a, &b| spoke(a).to == spoke(b).to);
+        let edge = |i: u32| star.ring[i as usize];
+        let mut groups = star.by_end.chunk_by(|&a, &b| edge(a).to == edge(b).to);
         let found = groups.find_map(|own| {
             let &[first, second] = own else { return None };
-            let [first, second] = [first, second].map(spoke);
+            let [first, second] = [first, second].map(edge);
             let is_pair = first.left == second.right && first.right == second.left;
             let is_fold = first.left == first.right;
             if !is_pair || is_fold {

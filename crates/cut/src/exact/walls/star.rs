@@ -22,18 +22,18 @@ pub(super) struct RingEdge {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Star {
     /// By vertex, counterclockwise.
-    pub(super) spokes: Vec<RingEdge>,
+    pub(super) ring: Vec<RingEdge>,
     pub(super) copies: Vec<Range<usize>>,
-    /// Numbers of the spokes by their ends.
+    /// Numbers of the edges in the order of their ends.
     pub(super) by_end: Vec<u32>,
-    /// By spoke, whether its left triangle has no partner.
+    /// By edge, whether its left triangle has no partner.
     pub(super) is_skin: Vec<bool>,
     pub(super) has_skin: bool,
     keys: Vec<([u32; 3], [u32; 3], bool, usize)>,
 }
 
 impl Star {
-    /// Collects the spokes of a point. Returns false at a boundary.
+    /// Collects the ring of a point. Returns false at a boundary.
     pub(super) fn find(
         &mut self,
         surface: &Surface,
@@ -41,18 +41,18 @@ impl Star {
         starts: impl Iterator<Item = HalfEdge>,
     ) -> bool {
         let topology = surface.topology();
-        self.spokes.clear();
+        self.ring.clear();
         self.copies.clear();
         let bits = |v: VertexId| shape.rest.bits(surface, v);
         for (copy, first) in (0..).zip(starts) {
-            let from = self.spokes.len();
+            let from = self.ring.len();
             let mut at = first;
             loop {
                 let twin = topology.twin(at);
                 if twin.is_null() {
                     return false;
                 }
-                self.spokes.push(RingEdge {
+                self.ring.push(RingEdge {
                     h: at,
                     copy,
                     to: bits(topology.target(at)),
@@ -67,33 +67,33 @@ impl Star {
                     break;
                 }
             }
-            self.copies.push(from..self.spokes.len());
+            self.copies.push(from..self.ring.len());
         }
         self.by_end.clear();
-        self.by_end.extend(0..index_u32(self.spokes.len()));
-        let spokes = &self.spokes;
-        (self.by_end).sort_unstable_by_key(|&i| (spokes[i as usize].to, i));
+        self.by_end.extend(0..index_u32(self.ring.len()));
+        let ring = &self.ring;
+        (self.by_end).sort_unstable_by_key(|&i| (ring[i as usize].to, i));
         true
     }
 
-    /// Marks the spokes whose left triangle has no partner around the point `own`.
+    /// Marks the edges whose left triangle has no partner around the point `own`.
     ///
-    /// Returns whether the point may go. No spoke may run along a tip or have no length. Around
+    /// Returns whether the point may go. No edge may run along a tip or have no length. Around
     /// each vertex, the triangles without a partner must form one run, or none has any.
     pub(super) fn find_skin(&mut self, own: [u32; 3]) -> bool {
-        let is_excluded = |spoke: &RingEdge| spoke.left == spoke.right || spoke.to == own;
-        if self.spokes.iter().any(is_excluded) {
+        let is_excluded = |edge: &RingEdge| edge.left == edge.right || edge.to == own;
+        if self.ring.iter().any(is_excluded) {
             return false;
         }
         self.keys.clear();
-        let keys = (0..).zip(&self.spokes).map(|(i, spoke)| {
-            let (a, b) = (spoke.to, spoke.left);
+        let keys = (0..).zip(&self.ring).map(|(i, edge)| {
+            let (a, b) = (edge.to, edge.left);
             (a.min(b), a.max(b), a < b, i)
         });
         self.keys.extend(keys);
         self.keys.sort_unstable();
         self.is_skin.clear();
-        self.is_skin.resize(self.spokes.len(), false);
+        self.is_skin.resize(self.ring.len(), false);
         for own in self.keys.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
             let is_paired = own.iter().filter(|key| key.2).count() * 2 == own.len();
             for key in own {
@@ -114,19 +114,19 @@ impl Star {
     /// Rounding gives two points one place. None if an edge belongs to no complete segment.
     pub(super) fn zero_collapse(&self, surface: &Surface, own: [u32; 3]) -> Option<Collapse> {
         let topology = surface.topology();
-        let is_zero = |spoke: &&RingEdge| {
-            let twin = topology.twin(spoke.h);
-            spoke.to == own && spoke.h < twin
+        let is_zero = |edge: &&RingEdge| {
+            let twin = topology.twin(edge.h);
+            edge.to == own && edge.h < twin
         };
-        let mut zeros: Vec<RingEdge> = self.spokes.iter().filter(is_zero).copied().collect();
+        let mut zeros: Vec<RingEdge> = self.ring.iter().filter(is_zero).copied().collect();
         let is_tip = |copy: u32| {
-            let own = &self.spokes[self.copies[copy as usize].clone()];
-            own.iter().any(|spoke| spoke.left == spoke.right)
+            let own = &self.ring[self.copies[copy as usize].clone()];
+            own.iter().any(|edge| edge.left == edge.right)
         };
         let copy_of = |v: VertexId| {
             let mut copies = (0..).zip(&self.copies);
             copies.find_map(|(copy, own)| {
-                (topology.origin(self.spokes[own.start].h) == v).then_some(copy)
+                (topology.origin(self.ring[own.start].h) == v).then_some(copy)
             })
         };
         while let Some(first) = zeros.pop() {
@@ -147,7 +147,7 @@ impl Star {
                 continue;
             }
             // The end of more edges of the segment is kept.
-            let ends = |spoke: &RingEdge| [topology.origin(spoke.h), topology.target(spoke.h)];
+            let ends = |edge: &RingEdge| [topology.origin(edge.h), topology.target(edge.h)];
             let degree = |v: VertexId| segment.iter().filter(|s| ends(s).contains(&v)).count();
             let mut target = Collapse {
                 to: ends(&first)[0],
@@ -155,19 +155,19 @@ impl Star {
             };
             let mut is_valid = true;
             let mut kept = Vec::new();
-            for spoke in &segment {
-                let [from, to] = ends(spoke);
+            for edge in &segment {
+                let [from, to] = ends(edge);
                 let Some(other) = copy_of(to) else {
                     is_valid = false;
                     break;
                 };
-                let tips = [is_tip(spoke.copy), is_tip(other)];
+                let tips = [is_tip(edge.copy), is_tip(other)];
                 let is_forward = !tips[0] && (tips[1] || degree(from) <= degree(to));
                 is_valid &= !(tips[0] && tips[1]);
                 let (copy, h, end) = if is_forward {
-                    (spoke.copy, spoke.h, other)
+                    (edge.copy, edge.h, other)
                 } else {
-                    (other, topology.twin(spoke.h), spoke.copy)
+                    (other, topology.twin(edge.h), edge.copy)
                 };
                 is_valid &= target.along[copy as usize].replace(h).is_none();
                 kept.push(end);
@@ -183,7 +183,7 @@ impl Star {
         None
     }
 
-    /// Returns the rim's other spoke at the vertex `own`, and the part of the way from the end of
+    /// Returns the rim's other edge at the vertex `own`, and the part of the way from the end of
     /// `along` to its end at which the vertex lies.
     pub(super) fn other_rim(
         &self,
@@ -192,11 +192,11 @@ impl Star {
         own: &Range<usize>,
         along: HalfEdge,
     ) -> Option<(usize, f32)> {
-        let is_other = |&i: &usize| self.is_rim(own, i) && self.spokes[i].h != along;
+        let is_other = |&i: &usize| self.is_rim(own, i) && self.ring[i].h != along;
         let other = own.clone().find(is_other)?;
         let topology = surface.topology();
         let center = shape.at(surface, topology.origin(along));
-        let both = [along, self.spokes[other].h];
+        let both = [along, self.ring[other].h];
         let [near, far] = both.map(|h| (shape.at(surface, topology.target(h)) - center).norm());
         #[expect(
             clippy::cast_possible_truncation,
@@ -219,16 +219,16 @@ impl Star {
         Some(RimMove {
             gone: topology.origin(along),
             kept: topology.target(along),
-            other: topology.target(self.spokes[other].h),
+            other: topology.target(self.ring[other].h),
             part,
         })
     }
 
-    /// Returns whether a spoke of the vertex `own` is between the skin and a wall.
-    pub(super) fn is_rim(&self, own: &Range<usize>, spoke: usize) -> bool {
-        // The triangle right of a spoke is left of the one before.
-        let before = if spoke == own.start { own.end } else { spoke } - 1;
-        self.is_skin[spoke] != self.is_skin[before]
+    /// Returns whether an edge of the vertex `own` is between the skin and a wall.
+    pub(super) fn is_rim(&self, own: &Range<usize>, edge: usize) -> bool {
+        // The triangle right of a edge is left of the one before.
+        let before = if edge == own.start { own.end } else { edge } - 1;
+        self.is_skin[edge] != self.is_skin[before]
     }
 }
 
@@ -247,13 +247,11 @@ pub(super) fn is_affine(
     let Some((other, part)) = star.other_rim(surface, shape, own, along) else {
         return false;
     };
-    let both = [along, star.spokes[other].h];
-    // The corners on the skin, at the end of a spoke and at the point.
+    let both = [along, star.ring[other].h];
+    // The corners on the skin, at the end of a edge and at the point.
     let corners = |h: HalfEdge| {
         let twin = topology.twin(h);
-        let is_left = own
-            .clone()
-            .any(|i| star.spokes[i].h == h && star.is_skin[i]);
+        let is_left = own.clone().any(|i| star.ring[i].h == h && star.is_skin[i]);
         let ends = if is_left {
             [h.next(), h]
         } else {
