@@ -22,7 +22,7 @@ const LENGTHS: [f64; 2] = [std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::SQ
 /// collapses change a body of one cube by 1e-5, as a cut without snapping may.
 const MAX_VOLUME: f64 = 1e-6;
 
-/// Returns the sine of the smallest angle of the triangle left of a edge, with another origin.
+/// Returns the sine of the smallest angle of the triangle left of an edge, with another origin.
 pub(super) fn sine(surface: &Surface, shape: &Shape, h: HalfEdge, origin: Option<Vec3>) -> f64 {
     let topology = surface.topology();
     let [p, b, c] = [h, h.next(), h.prev()].map(|h| shape.at(surface, topology.origin(h)));

@@ -226,7 +226,7 @@ impl Star {
 
     /// Returns whether an edge of the vertex `own` is between the skin and a wall.
     pub(super) fn is_rim(&self, own: &Range<usize>, edge: usize) -> bool {
-        // The triangle right of a edge is left of the one before.
+        // The triangle right of an edge is left of the one before.
         let before = if edge == own.start { own.end } else { edge } - 1;
         self.is_skin[edge] != self.is_skin[before]
     }
@@ -248,7 +248,7 @@ pub(super) fn is_affine(
         return false;
     };
     let both = [along, star.ring[other].h];
-    // The corners on the skin, at the end of a edge and at the point.
+    // The corners on the skin, at the end of an edge and at the point.
     let corners = |h: HalfEdge| {
         let twin = topology.twin(h);
         let is_left = own.clone().any(|i| star.ring[i].h == h && star.is_skin[i]);
