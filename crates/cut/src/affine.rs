@@ -20,7 +20,7 @@ const ROTATION_WEIGHT: f64 = 1e-3;
 /// Minimum stretch of a map that is inverted.
 ///
 /// Bodies are hardly compressed to a tenth; below, the fit sees a fold.
-const MIN_STRETCH: f64 = 0.1;
+pub(crate) const MIN_STRETCH: f64 = 0.1;
 
 impl AffineMap {
     /// Fits the map from the first to the second point of each pair.

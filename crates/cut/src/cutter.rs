@@ -323,9 +323,8 @@ impl Cutter {
             if self.trace.end_clearance() < from.clearance {
                 return Err(CutError::TipBlocked { triangle });
             }
-            if !from.may_start_inside
-                && let Some(triangle) = self.trace.previous_end(surface, &self.facets)
-            {
+            let inside = self.trace.end_outside(surface, &self.facets, from.outside);
+            if let Some(triangle) = inside {
                 return Err(CutError::TipBlocked { triangle });
             }
         }

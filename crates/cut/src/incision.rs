@@ -3,7 +3,7 @@
 mod approach;
 mod closing;
 mod columns;
-
+mod entry;
 mod lead;
 mod line;
 mod map;
@@ -16,6 +16,7 @@ use crate::error::CutError;
 use crate::exact::RimMove;
 use crate::sweep::Sweep;
 pub(crate) use approach::Approach;
+pub(crate) use columns::Extent;
 use columns::is_at_boundary;
 use incise_mesh::{Surface, Vec3, VertexId};
 use path::Path;

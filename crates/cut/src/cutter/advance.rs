@@ -1,17 +1,17 @@
 //! Incisions: sweeps that end inside a body, and blades that move on from the tip of such a cut.
 
 use super::Cutter;
-use crate::blade_position::is_in_body;
 use crate::error::CutError;
-use crate::incision::{Approach, Incision, Step, StepSweep};
+use crate::incision::{Approach, Extent, Incision, Step, StepSweep};
 use crate::intersection::continued_tip::ContinuedTip;
+use crate::intersection::trace::Outside;
 use crate::outcome::CutOutcome;
 use crate::params::CutParams;
 use crate::sweep::Sweep;
 use incise_mesh::{Aabb, Bvh, Surface, TriangleId, index_u32};
 
 /// Rises of the sweep beside a tip, tried in turn until a step can be cut and starts outside the
-/// body [local edge lengths].
+/// body, first up to the ends of the blade and then just beside the tip [local edge lengths].
 ///
 /// A high one keeps clear of a curved surface, a low one of another part of the body nearby.
 /// At 0 the sweep goes back to the blade's last pose.
@@ -30,10 +30,39 @@ pub(super) struct Continuation<'a> {
     pub(super) tip: &'a ContinuedTip,
     /// Minimum distance of the new ends from mesh edges, see `Trace::end_clearance`.
     pub(super) clearance: f64,
+    pub(super) outside: Outside,
+}
+
+/// How a step is tried.
+#[derive(Debug, Clone, Copy)]
+struct Attempt {
+    extent: Extent,
     /// Whether the blade's previous edge may pierce the surface.
     ///
-    /// Not beside a tip, where the previous edge was outside: the body would be slit there as well.
-    pub(super) may_start_inside: bool,
+    /// Not beside a tip, where that was outside: the body would be slit there as well, and a bridge
+    /// would be left between that slit and the tip.
+    may_start_inside: bool,
+}
+
+/// Returns how a step is tried in turn, from a tip or without one.
+fn attempts(has_tip: bool, is_entry_at_rest: bool) -> Vec<Attempt> {
+    let attempt = |rise, is_bounded, may_start_inside| Attempt {
+        extent: Extent { rise, is_bounded },
+        may_start_inside,
+    };
+    if has_tip {
+        let [wide, bounded] = [false, true].map(|is_bounded| {
+            let rises = RISES
+                .into_iter()
+                .filter(move |&rise| rise > 0.0 || !is_bounded);
+            rises.map(move |rise| attempt(rise, is_bounded, false))
+        });
+        return wide.chain(bounded).collect();
+    }
+    // A blade without a tip has nothing beside which it could rise.
+    let at_rest = [false, true].map(|is_bounded| attempt(0.0, is_bounded, false));
+    let at_rest = at_rest.into_iter().filter(|_| is_entry_at_rest);
+    at_rest.chain([attempt(0.0, false, true)]).collect()
 }
 
 impl Cutter {
@@ -53,7 +82,8 @@ impl Cutter {
         sweep: &Sweep,
         params: &CutParams,
     ) -> Result<CutOutcome, CutError> {
-        let outcome = self.try_displaced(surface, sweep, params, &ContinuedTip::default(), true);
+        let (tip, outside) = (ContinuedTip::default(), Outside::default());
+        let outcome = self.try_displaced(surface, sweep, params, &tip, outside);
         outcome.map(|(outcome, _)| outcome)
     }
 
@@ -79,8 +109,8 @@ impl Cutter {
     ) -> Result<CutOutcome, CutError> {
         self.check_bvh(surface)?;
         let near = |bounds: &Aabb| near(&self.bvh, surface, bounds);
-        let is_inside = |point| is_in_body(surface, &self.sheets(surface), point);
-        let Some(approach) = incision.begin_step(surface, blade, near, is_inside)? else {
+        let sheets = self.sheets(surface);
+        let Some(approach) = incision.begin_step(surface, blade, near, &sheets)? else {
             return Ok(CutOutcome::default());
         };
         let result = self.step_in_shape(surface, incision, &approach, blade, params);
@@ -126,14 +156,9 @@ impl Cutter {
         blade: &[[f32; 3]],
         params: &CutParams,
     ) -> Result<CutOutcome, CutError> {
-        // A blade outside of the body has no tip beside which it could rise.
-        let beside_tip = if incision.is_inside() {
-            &RISES[..]
-        } else {
-            &[]
-        };
-        let outside = beside_tip.iter().map(|&rise| (rise, false));
-        for (rise, may_start_inside) in outside.chain([(RISES[0], true)]) {
+        let is_entry_at_rest = !incision.is_inside() && !approach.map.is_identity();
+        let mut first = None;
+        for attempt in attempts(incision.is_inside(), is_entry_at_rest) {
             let near = |bounds: &Aabb| {
                 if approach.map.is_identity() {
                     return near(&self.bvh, surface, bounds);
@@ -142,12 +167,15 @@ impl Cutter {
                 self.scan.query(surface, bounds, &mut found);
                 found
             };
-            let Some(stroke) = incision.step_sweep(surface, approach, blade, rise, near)? else {
-                break;
-            };
+            let stroke = incision.step_sweep(surface, approach, blade, attempt.extent, near)?;
+            let Some(stroke) = stroke else { break };
             let StepSweep { sweep, tip, .. } = &stroke;
-            match self.try_displaced(surface, sweep, params, tip, may_start_inside) {
-                Err(error) if is_retried(&error, tip) && !may_start_inside => {}
+            let outside = Outside {
+                previous: !attempt.may_start_inside,
+                ribs: stroke.ends_outside,
+            };
+            match self.try_displaced(surface, sweep, params, tip, outside) {
+                Err(error) if is_retried(&error, tip) => first = first.or(Some(error)),
                 result => {
                     let (outcome, taken) = result?;
                     if !outcome.is_miss() {
@@ -173,7 +201,7 @@ impl Cutter {
                 }
             }
         }
-        Ok(CutOutcome::default())
+        first.map_or(Ok(CutOutcome::default()), Err)
     }
 
     /// Cuts along a sweep that goes on from `tip`, or along the first displaced one that can be
@@ -184,7 +212,7 @@ impl Cutter {
         sweep: &Sweep,
         params: &CutParams,
         tip: &ContinuedTip,
-        may_start_inside: bool,
+        outside: Outside,
     ) -> Result<(CutOutcome, Sweep), CutError> {
         let mut first = None;
         for clearance in [MIN_CLEARANCE, 0.0] {
@@ -200,7 +228,7 @@ impl Cutter {
                 let from = Continuation {
                     tip,
                     clearance,
-                    may_start_inside,
+                    outside,
                 };
                 match self.cut_along(surface, &taken, params, Some(from)) {
                     Err(error) if is_retried(&error, tip) => first = first.or(Some(error)),

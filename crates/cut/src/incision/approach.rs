@@ -3,10 +3,11 @@
 use super::closing::Closing;
 use super::lead::{MIN_MOTION, free_standing, has_moved, is_ahead, standing};
 use super::line::offset;
-use super::map::BladeMap;
+use super::map::{BladeMap, is_at_rest};
 use super::path::come_within;
-use super::piercings::piercings;
+use super::piercings::{Piercing, ends_in_body, piercings};
 use super::{Incision, IncisionState, PATH_WIDTH, TipPoint};
+use crate::blade_position::is_in_body;
 use crate::error::CutError;
 use incise_mesh::geometry::{to_f32, to_f64};
 use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
@@ -35,7 +36,8 @@ impl Incision {
     ///
     /// None for the first pose, for a motion that is too small or along the edge alone, for one
     /// back along the path, for a blade that has left beside it, and for a step that was just
-    /// refused. `near` finds the triangles in a box, and `is_inside` whether a point is in the body.
+    /// refused, and in folds of the skin only. `near` finds the triangles in a box, `sheets` are the
+    /// pieces without an inside.
     ///
     /// # Errors
     /// [`CutError::PolylineLength`] and [`CutError::SweepNotFinite`].
@@ -44,7 +46,7 @@ impl Incision {
         surface: &Surface,
         blade: &[[f32; 3]],
         near: impl FnOnce(&Aabb) -> Vec<TriangleId>,
-        is_inside: impl FnOnce([f32; 3]) -> bool,
+        sheets: &[bool],
     ) -> Result<Option<Approach>, CutError> {
         check_blade(blade)?;
         if self.pose.len() != blade.len() {
@@ -53,12 +55,21 @@ impl Incision {
         }
         self.check_tip(surface);
         if !self.is_inside() {
-            return Ok(self.begin_entry(surface, blade, near, is_inside));
+            return Ok(self.begin_entry(surface, blade, near, sheets));
         }
         let near = near(&Aabb::around(blade.iter().copied()));
         let piercings = piercings(blade, surface, &near);
-        let is_outside = piercings.is_empty() && !is_inside(blade[0]);
-        let map = BladeMap::new(surface, &self.tip, &piercings, self.local);
+        let starts_inside = starts_inside(surface, blade, &piercings, sheets);
+        let is_outside = piercings.is_empty() && !starts_inside;
+        let map = if is_at_rest(surface) {
+            BladeMap::default()
+        } else {
+            let ends = ends_in_body(surface, &piercings, sheets, starts_inside);
+            if ends.is_empty() && !piercings.is_empty() {
+                return Ok(None);
+            }
+            BladeMap::new(surface, &self.tip, &ends, self.local)
+        };
         let (tip, leads) = self.leads(surface, &map, blade, &piercings);
         let is_ahead = is_ahead(&leads);
         let closing = self.closing(surface, &map, &leads, blade);
@@ -106,7 +117,7 @@ impl Incision {
         surface: &Surface,
         blade: &[[f32; 3]],
         near: impl FnOnce(&Aabb) -> Vec<TriangleId>,
-        is_inside: impl FnOnce([f32; 3]) -> bool,
+        sheets: &[bool],
     ) -> Option<Approach> {
         self.see(blade);
         if self.back.is_some() {
@@ -122,9 +133,18 @@ impl Incision {
         if self.slide_pose(surface, blade, &near) {
             return None;
         }
-        let is_outside = || piercings(blade, surface, &near).is_empty() && !is_inside(blade[0]);
-        Some(Approach {
-            leaves: self.state == IncisionState::Blocked && is_outside(),
+        let piercings = piercings(blade, surface, &near);
+        if piercings.is_empty() || is_at_rest(surface) {
+            let is_outside = || piercings.is_empty() && !is_in_body(surface, sheets, blade[0]);
+            return Some(Approach {
+                leaves: self.state == IncisionState::Blocked && is_outside(),
+                ..Approach::default()
+            });
+        }
+        let starts_inside = starts_inside(surface, blade, &piercings, sheets);
+        let ends = ends_in_body(surface, &piercings, sheets, starts_inside);
+        (!ends.is_empty()).then(|| Approach {
+            map: BladeMap::of_entry(surface, blade, &ends, self.local),
             ..Approach::default()
         })
     }
@@ -192,6 +212,18 @@ impl Incision {
         let off = |pose: &[[f32; 3]]| ends.map(|end| offset(pose, surface.position(end.vertex)));
         come_within(off(&self.pose), off(blade), 0.0, [[width; 2]; 2])
     }
+}
+
+/// Returns whether a blade begins in the body. O(n) unless it pierces the surface and goes in there
+/// first.
+fn starts_inside(
+    surface: &Surface,
+    blade: &[[f32; 3]],
+    piercings: &[Piercing],
+    sheets: &[bool],
+) -> bool {
+    let goes_in = piercings.first().is_some_and(|first| first.enters);
+    !goes_in && is_in_body(surface, sheets, blade[0])
 }
 
 /// Checks the points of a blade.

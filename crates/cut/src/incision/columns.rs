@@ -4,15 +4,15 @@ use super::closing::Closing;
 use super::lead::MIN_MOTION;
 use super::line::point_at;
 use super::map::BladeMap;
-use super::piercings::pierced_at;
+use super::piercings::{is_pierced, pierced_at};
 use super::{Incision, TipPoint};
 use incise_mesh::geometry::{area_vector, to_f64};
 use incise_mesh::{Surface, TriangleId, Vec3, VertexId};
 
 /// Displacement of the sweep beyond the ends of a tip [local edge lengths].
-const WIDENING: f64 = 0.3;
+pub(super) const WIDENING: f64 = 0.3;
 /// Its maximum [distance to the next point of the sweep].
-const MAX_WIDENING: f64 = 0.2;
+pub(super) const MAX_WIDENING: f64 = 0.2;
 
 /// Maximum rise of the sweep from an end of a tip [distance to the next point of the sweep].
 ///
@@ -29,6 +29,15 @@ const MAX_TIP_DISTANCE: f64 = 1e-3;
 const CLEARANCE: f64 = 0.1;
 /// Its maximum [motion of the blade].
 const MAX_CLEARANCE: f64 = 0.5;
+
+/// How far the next sweep extends beyond the ends of a tip.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Extent {
+    /// Its rise from the surface [local edge lengths]; at 0 it goes back to the blade's last pose.
+    pub(crate) rise: f64,
+    /// Whether it ends there. Else it goes on to the ends of the blade.
+    pub(crate) is_bounded: bool,
+}
 
 /// A point of the blade in both poses of the next sweep, in the shape in which that cuts.
 #[derive(Debug, Clone, Copy)]
@@ -92,7 +101,7 @@ impl Column {
         }
     }
 
-    fn is_tip(&self) -> bool {
+    pub(super) fn is_tip(&self) -> bool {
         !self.vertex.is_null()
     }
 
@@ -133,13 +142,12 @@ impl Incision {
     ///
     /// Beside an end of the tip, the sweep widens and rises from the surface. Otherwise the line
     /// from there to the blade's last pose could cross the surface once more. And a body is often
-    /// symmetric, so that the same point of the blade enters and leaves it. The sweep rises by up
-    /// to `rise` local edge lengths; if that is 0, it goes back to the blade's last pose.
+    /// symmetric, so that the same point of the blade enters and leaves it.
     pub(super) fn columns(
         &self,
         surface: &Surface,
         poses: &Poses<'_>,
-        rise: f64,
+        extent: Extent,
         closing: Option<&Closing>,
     ) -> Vec<Column> {
         let mut columns = self.points_outside(poses);
@@ -147,6 +155,10 @@ impl Incision {
             Some(closing) => closing.columns(surface, poses.tip),
             None => self.points_of_tip(surface, poses),
         });
+        columns.extend(poses.map.corners.parameters.iter().map(|&parameter| {
+            let [previous, current] = [poses.previous(parameter), poses.current(parameter)];
+            Column::outside(parameter, previous, current)
+        }));
         columns.sort_by(|a, b| a.parameter.total_cmp(&b.parameter));
         without_idle(&mut columns);
         let mut out = Vec::with_capacity(columns.len() + 4);
@@ -163,7 +175,7 @@ impl Incision {
                     own = column.moved(column.parameter + step, poses);
                 }
                 let room = MAX_RISE * (beyond.previous - column.previous).norm();
-                let height = rise * local.min(room);
+                let height = extent.rise * local.min(room);
                 let previous = if height > 0.0 {
                     column.previous + outward(surface, column, a - b, a) * height
                 } else {
@@ -182,6 +194,9 @@ impl Incision {
             let risen = after.filter(|_| is_last).map(risen);
             out.push(own);
             out.extend(risen);
+        }
+        if extent.is_bounded {
+            bound(&mut out, poses.map.corners.outer);
         }
         out
     }
@@ -247,6 +262,23 @@ impl Incision {
         }
         columns
     }
+}
+
+/// Removes the columns beyond those beside the tip, or for a blade without a tip beyond its outer
+/// corners.
+fn bound(columns: &mut Vec<Column>, [first, last]: [Option<f64>; 2]) {
+    let tip = |column: &Column| column.is_tip();
+    let (low, high) = match (columns.iter().position(tip), columns.iter().rposition(tip)) {
+        (Some(first), Some(last)) => (first.saturating_sub(1), last + 1),
+        _ => {
+            let before = |c: &Column| first.is_some_and(|first| c.parameter < first);
+            let until = |c: &Column| last.is_none_or(|last| c.parameter <= last);
+            let low = columns.partition_point(before);
+            (low, columns.partition_point(until).saturating_sub(1))
+        }
+    };
+    columns.truncate(high + 1);
+    columns.drain(..low.min(columns.len()));
 }
 
 /// Removes columns from which the tip does not go on: vertices that stand beside others that do,
@@ -363,8 +395,5 @@ fn front_piercings(columns: &[Column], surface: &Surface, near: &[TriangleId]) -
 pub(super) fn is_inside(columns: &[Column], surface: &Surface, near: &[TriangleId]) -> bool {
     let moves = |column: &Column| column.is_tip() && !column.stands;
     let mut front = (columns.windows(2)).filter(|pair| pair.iter().any(moves));
-    front.any(|pair| {
-        let mut corners = near.iter().map(|&t| surface.triangle_positions(t));
-        corners.any(|corners| pierced_at(corners, pair[0].current, pair[1].current).is_some())
-    })
+    front.any(|pair| is_pierced(&[pair[0].current, pair[1].current], surface, near))
 }

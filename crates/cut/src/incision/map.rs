@@ -1,20 +1,15 @@
 //! [`BladeMap`]: a blade in a deformed body, in the coordinates of the body's rest shape.
 
 use super::TipPoint;
+use super::entry::EntryCorners;
 use super::line::point_at;
 use super::piercings::Piercing;
-use crate::affine::AffineMap;
+use crate::affine::{AffineMap, MIN_STRETCH};
 use incise_mesh::{Surface, Vec3, VertexId};
 use nalgebra::Matrix3;
 
 /// Rounding error of stored coordinates [of the largest coordinate].
 const ROUNDING: f32 = 8.0 * f32::EPSILON;
-
-/// Maximum distance at rest of an end of a tip from where the blade pierces the surface now
-/// [that of the fitted deformation].
-///
-/// Between both, the deformation varies by less than its size.
-const MAX_RATIO: f64 = 2.0;
 
 /// The map of a blade from the present shape of a body to its rest shape, near a tip.
 ///
@@ -26,6 +21,8 @@ const MAX_RATIO: f64 = 2.0;
 pub(crate) struct BladeMap {
     /// Along the blade; empty for a body at rest.
     anchors: Vec<Anchor>,
+    /// For a blade without a tip, its corners beside the body.
+    pub(super) corners: EntryCorners,
 }
 
 /// A point beside the blade with its place at rest.
@@ -38,8 +35,8 @@ struct Anchor {
 }
 
 impl BladeMap {
-    /// Returns the map near a tip of a blade with some piercings. O(n), because it is the identity
-    /// for a body at rest.
+    /// Returns the map near a tip in a deformed body, of a blade that enters and leaves it at some
+    /// piercings.
     ///
     /// `local` is the length of edges near the tip \[m\].
     pub(super) fn new(
@@ -48,15 +45,49 @@ impl BladeMap {
         piercings: &[Piercing],
         local: f64,
     ) -> Self {
-        if is_at_rest(surface) {
-            return Self::default();
-        }
         let mut anchors = Vec::new();
         for part in tip.chunk_by(|point, _| point.is_joined || point.meets_next) {
             anchors.extend(anchors_of(surface, part, piercings, local));
         }
         anchors.sort_by(|a: &Anchor, b| a.parameter.total_cmp(&b.parameter));
-        Self { anchors }
+        Self {
+            anchors,
+            ..Self::default()
+        }
+    }
+
+    /// Returns the map of a blade without a tip that enters and leaves a deformed body at some
+    /// piercings.
+    ///
+    /// `local` is the length of edges near them \[m\].
+    pub(super) fn of_entry(
+        surface: &Surface,
+        blade: &[[f32; 3]],
+        ends: &[Piercing],
+        local: f64,
+    ) -> Self {
+        let anchor = |i: usize| {
+            let end = &ends[i];
+            // The other end of the same part of the blade in the body.
+            let partner = if end.enters {
+                ends.get(i + 1)
+            } else {
+                i.checked_sub(1).map(|i| &ends[i])
+            };
+            Anchor {
+                parameter: end.parameter,
+                point: end.point,
+                rest: end.rest,
+                inverse_gradient: gradient_at(surface, [Some(end), partner]),
+            }
+        };
+        let anchors: Vec<Anchor> = (0..ends.len()).map(anchor).collect();
+        let speeds = anchors.iter().map(|anchor| {
+            let [before, after] = [-0.5, 0.5].map(|d| point_at(blade, anchor.parameter + d));
+            (anchor.inverse_gradient * (after - before)).norm()
+        });
+        let corners = EntryCorners::beside(surface, ends, speeds, local);
+        Self { anchors, corners }
     }
 
     /// Returns whether the body is at rest, or no tip is known.
@@ -120,13 +151,12 @@ fn anchors_of(
     let mut ends = vec![0, last];
     ends.dedup();
     let mut around: Vec<VertexId> = ends.iter().map(|&i| part[i].vertex).collect();
-    let fitted = inverse_gradient(surface, &around);
     let mut anchors = Vec::with_capacity(ends.len());
     for i in ends {
         let mut anchor = Anchor::at_vertex(surface, &part[i]);
         // Along the blade, the body begins at the first end and stops at the last one.
         let enters = (last > 0).then_some(i == 0);
-        if let Some(piercing) = anchor.nearest(piercings, enters, fitted, local) {
+        if let Some(piercing) = anchor.nearest(piercings, enters, local) {
             around.extend(surface.topology().triangle(piercing.triangle));
             anchor.parameter = piercing.parameter;
             anchor.point = piercing.point;
@@ -159,13 +189,12 @@ impl Anchor {
         &self,
         piercings: &'a [Piercing],
         enters: Option<bool>,
-        fitted: Matrix3<f64>,
         local: f64,
     ) -> Option<&'a Piercing> {
         let distance = |p: &&Piercing| (p.rest - self.rest).norm();
-        let is_near = |p: &&Piercing| {
-            distance(p) <= MAX_RATIO * (fitted * (p.point - self.point)).norm() + local
-        };
+        // Whether the body is compressed as far as can be between both.
+        let is_near =
+            |p: &&Piercing| distance(p) <= (p.point - self.point).norm() / MIN_STRETCH + local;
         let own = piercings
             .iter()
             .filter(|p| enters.is_none_or(|enters| p.enters == enters));
@@ -185,6 +214,13 @@ impl Anchor {
     }
 }
 
+/// Returns the inverse deformation gradient around piercings.
+pub(super) fn gradient_at(surface: &Surface, piercings: [Option<&Piercing>; 2]) -> Matrix3<f64> {
+    let around = piercings.into_iter().flatten();
+    let around = around.flat_map(|piercing| surface.topology().triangle(piercing.triangle));
+    inverse_gradient(surface, &around.collect::<Vec<_>>())
+}
+
 /// Returns the inverse deformation gradient around vertices.
 fn inverse_gradient(surface: &Surface, vertices: &[VertexId]) -> Matrix3<f64> {
     let topology = surface.topology();
@@ -198,7 +234,7 @@ fn inverse_gradient(surface: &Surface, vertices: &[VertexId]) -> Matrix3<f64> {
 }
 
 /// Returns whether all positions are rest positions, up to rounding.
-fn is_at_rest(surface: &Surface) -> bool {
+pub(super) fn is_at_rest(surface: &Surface) -> bool {
     let rest = surface.rest_positions();
     let largest = rest.iter().flatten().fold(0.0, |m, x| x.abs().max(m));
     let tolerance = ROUNDING * largest;

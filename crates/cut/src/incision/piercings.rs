@@ -1,6 +1,7 @@
 //! Where a blade pierces a surface.
 
 use super::line::point_at;
+use super::map::gradient_at;
 use incise_mesh::geometry::{area_vector, to_f32, to_f64};
 use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
 
@@ -53,6 +54,49 @@ pub(super) fn piercings(
     found
 }
 
+/// Returns the piercings at which a blade enters the body and leaves it in turns, in their order at
+/// rest.
+///
+/// They are the outermost ones where the body overlaps itself, and none where it is inside out. In
+/// folds of the skin, neighbors that are in the opposite order at rest cancel in pairs. Sheets,
+/// which have no inside, keep all.
+pub(super) fn ends_in_body(
+    surface: &Surface,
+    piercings: &[Piercing],
+    sheets: &[bool],
+    starts_inside: bool,
+) -> Vec<Piercing> {
+    let mut winding = i32::from(starts_inside);
+    let mut kept: Vec<Piercing> = Vec::with_capacity(piercings.len());
+    for piercing in piercings {
+        if sheets.get(surface.piece(piercing.triangle) as usize) == Some(&true) {
+            kept.push(*piercing);
+            continue;
+        }
+        let was_inside = winding > 0;
+        winding += if piercing.enters { 1 } else { -1 };
+        if was_inside == (winding > 0) {
+            continue;
+        }
+        match kept.last() {
+            Some(last)
+                if last.enters != piercing.enters && !is_ordered(surface, last, piercing) =>
+            {
+                kept.pop();
+            }
+            _ => kept.push(*piercing),
+        }
+    }
+    kept
+}
+
+/// Returns whether two piercings have the same order along the blade at rest.
+fn is_ordered(surface: &Surface, first: &Piercing, second: &Piercing) -> bool {
+    let gradient = gradient_at(surface, [Some(first), Some(second)]);
+    let along = gradient * (second.point - first.point);
+    along.dot(&(second.rest - first.rest)) > 0.0
+}
+
 /// Returns the weights of the corners of a triangle at a point in its plane.
 fn weights(corners: [Vec3; 3], point: Vec3) -> [f64; 3] {
     let [a, b, c] = corners;
@@ -83,6 +127,16 @@ pub(super) fn pierced_at(corners: [Vec3; 3], p: Vec3, q: Vec3) -> Option<f64> {
         .into_iter()
         .all(is_inside)
         .then_some(part)
+}
+
+/// Returns whether a polyline pierces the surface.
+///
+/// `near` has all triangles that it may pierce.
+pub(super) fn is_pierced(line: &[Vec3], surface: &Surface, near: &[TriangleId]) -> bool {
+    line.windows(2).any(|ends| {
+        let mut corners = near.iter().map(|&t| surface.triangle_positions(t));
+        corners.any(|corners| pierced_at(corners, ends[0], ends[1]).is_some())
+    })
 }
 
 /// Returns whether the line from `p` to `q` may touch a box, up to rounding.

@@ -1,6 +1,6 @@
 //! [`StepSweep`]: the sweep of one step, from the tip to the blade.
 
-use super::columns::{self, Column, Poses, spread};
+use super::columns::{self, Column, Extent, Poses, spread};
 use super::line::point_at;
 use super::{Approach, Incision};
 use crate::error::CutError;
@@ -9,11 +9,11 @@ use crate::sweep::Sweep;
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Aabb, HalfEdge, Surface, TriangleId, Vec3, VertexId, index_u32};
 
-/// Displacements of the front ahead of a blade that has left the body, tried in turn until the
-/// front is outside as well [local edge lengths].
+/// Displacements of the front ahead of a blade that has left the body, and back from one that
+/// enters, tried in turn until the sweep ends, or begins, outside as well [local edge lengths].
 ///
 /// In the rest shape the blade's place is known up to second order in its motion.
-const REACHES: [f64; 5] = [0.0, 0.125, 0.25, 0.5, 1.0];
+pub(super) const REACHES: [f64; 5] = [0.0, 0.125, 0.25, 0.5, 1.0];
 
 /// The sweep of one step, the tip that it continues, and its points' parameters on the blade.
 pub(crate) struct StepSweep {
@@ -22,13 +22,14 @@ pub(crate) struct StepSweep {
     pub(crate) present: Option<Sweep>,
     pub(crate) tip: ContinuedTip,
     pub(crate) parameters: Vec<f64>,
+    /// Whether its first and its last rib must be outside of the body.
+    pub(crate) ends_outside: [bool; 2],
 }
 
 impl Incision {
     /// Returns the sweep from the tip, or from the last pose, to a new pose.
     ///
-    /// Beside the tip it rises from the surface by up to `rise` local edge lengths. None for a
-    /// motion along the blade's edge. `near` finds the triangles in a box.
+    /// None for a motion along the blade's edge. `near` finds the triangles in a box.
     ///
     /// # Errors
     /// As [`Sweep::strip`].
@@ -37,11 +38,11 @@ impl Incision {
         surface: &Surface,
         approach: &Approach,
         blade: &[[f32; 3]],
-        rise: f64,
+        extent: Extent,
         near: impl FnMut(&Aabb) -> Vec<TriangleId>,
     ) -> Result<Option<StepSweep>, CutError> {
         let map = &approach.map;
-        let columns = self.front(surface, approach, blade, rise, near);
+        let columns = self.front(surface, approach, blade, extent, near);
         let points = |of: fn(&Column) -> Vec3| -> Vec<[f32; 3]> {
             columns.iter().map(|column| to_f32(of(column))).collect()
         };
@@ -76,6 +77,11 @@ impl Incision {
             present,
             tip,
             parameters: columns.iter().map(|c| c.parameter).collect(),
+            ends_outside: if extent.is_bounded {
+                ends_outside(&columns, map.corners.outer)
+            } else {
+                [false; 2]
+            },
         }))
     }
 
@@ -88,7 +94,7 @@ impl Incision {
         surface: &Surface,
         approach: &Approach,
         blade: &[[f32; 3]],
-        rise: f64,
+        extent: Extent,
         mut near: impl FnMut(&Aabb) -> Vec<TriangleId>,
     ) -> Vec<Column> {
         let closing = approach.closing.as_ref();
@@ -97,6 +103,9 @@ impl Incision {
         } else {
             &REACHES[..1]
         };
+        if !self.is_inside() && !approach.map.is_identity() {
+            return self.entry_columns(surface, approach, blade, extent, near);
+        }
         let mut first = Vec::new();
         for reach in reaches {
             let offsets: Vec<Vec3> = (approach.offsets.iter().zip(&approach.ahead))
@@ -110,7 +119,7 @@ impl Incision {
                 last: &self.pose,
                 new: closing.map_or(blade, |closing| &closing.blade),
             };
-            let mut columns = self.columns(surface, &poses, rise, closing);
+            let mut columns = self.columns(surface, &poses, extent, closing);
             if !self.is_inside() || closing.is_some() {
                 return columns;
             }
@@ -126,6 +135,17 @@ impl Incision {
         }
         first
     }
+}
+
+/// Returns whether the first and the last of some columns are beside the tip, or for a blade
+/// without a tip its outer corners.
+fn ends_outside(columns: &[Column], outer: [Option<f64>; 2]) -> [bool; 2] {
+    let has_tip = columns.iter().any(Column::is_tip);
+    let is_outside = |column: Option<&Column>, corner: Option<f64>| {
+        column.is_some_and(|c| !c.is_tip() && (has_tip || corner == Some(c.parameter)))
+    };
+    let ends = [columns.first(), columns.last()];
+    [0, 1].map(|k| is_outside(ends[k], outer[k]))
 }
 
 /// Returns the parts of the tip at some columns.

@@ -20,6 +20,7 @@ use super::touch::Touch;
 use crate::error::CutError;
 use follow::Start;
 use incise_mesh::{HalfEdge, Surface, TriangleId, VertexId};
+pub(crate) use queries::Outside;
 use segment::{End, Segment, meet};
 use std::ops::Range;
 

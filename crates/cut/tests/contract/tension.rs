@@ -2,7 +2,7 @@
 //! body.
 
 use crate::common::{check, params};
-use incise_cut::{CutError, Cutter, Incision};
+use incise_cut::{CutError, Cutter, Incision, IncisionState};
 use incise_mesh::geometry::{area_vector, to_f32};
 use incise_mesh::{HalfEdge, Surface, Vec3, VertexId, cube_sphere, icosphere};
 
@@ -126,4 +126,48 @@ fn a_slit_that_gapes_behind_the_blade_parts_the_body() {
         );
         assert!(((first + second) / whole - 1.0).abs() < 1e-3, "{gape:?}");
     }
+}
+
+/// A stretched ball whose skin lies in folds parts at a blade across it.
+///
+/// In a fold, the blade pierces the skin in another order than at rest, or inside out. Of 24
+/// strokes three have a refused step or a third piece.
+#[test]
+fn a_blade_enters_through_folds_of_the_skin() {
+    let mut faults = 0;
+    for seed in 0..24 {
+        let mut random = random(seed);
+        let (height, phase) = (0.3 * random(), 3.0 * random());
+        let (size, waves) = (0.15 + 0.05 * random(), 12.0 + 4.0 * random());
+        let mut body = icosphere(3, 1.0);
+        let whole = body.volume();
+        for p in body.positions_mut() {
+            let [x, y, z] = [p[0], p[1], p[2]].map(f64::from);
+            // A trochoid: with loops where the product of both numbers is above 0.6.
+            let (sin, cos) = (waves * (z + 0.5 * x) + phase).sin_cos();
+            let [y, z] = [0.6 * y + size * cos, 0.6 * z + size * sin];
+            let [x, y, z] = to_f32(Vec3::new(1.5 * x, y, z));
+            *p = [x, y, z, p[3]];
+        }
+        let mut cutter = Cutter::new(&body);
+        let mut incision = Incision::default();
+        let steps = [12, 24, 48][seed as usize % 3];
+        for step in 0..=steps {
+            let depth = -1.1 + 2.2 * f64::from(step) / f64::from(steps);
+            let pose = [-2.0, 2.0].map(|z| to_f32(Vec3::new(height, depth, z)));
+            let outcome = cutter.advance(&mut body, &mut incision, &pose, &params(0.1));
+            faults += usize::from(outcome.is_err());
+        }
+        check(&body);
+        assert_eq!(incision.state(), IncisionState::Outside, "seed {seed}");
+        faults += body.piece_count() - 2;
+        let volume = |piece: u32| {
+            body.rest_volume_of((body.topology().triangles()).filter(|&t| body.piece(t) == piece))
+        };
+        let mut volumes: Vec<f64> = (0..body.piece_bound()).map(volume).collect();
+        volumes.sort_by(f64::total_cmp);
+        let second = volumes[volumes.len() - 2];
+        assert!(second > 0.02 * whole, "seed {seed}: {volumes:?}");
+    }
+    assert!(faults <= 3, "{faults}");
 }

@@ -8,6 +8,29 @@ use incise_mesh::{Surface, TriangleId};
 /// Number of edges of a curve beside an end at which nothing is merged.
 const NEAR_END: usize = 2;
 
+/// The parts of a sweep's boundary that must be outside of the body.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Outside {
+    /// The blade's previous edge.
+    pub(crate) previous: bool,
+    /// The first and the last rib.
+    pub(crate) ribs: [bool; 2],
+}
+
+impl Outside {
+    fn has(self, facets: &Facets, edge: u32) -> bool {
+        let ribs = facets.corner_count() / 2;
+        match facets.kind(edge) {
+            EdgeKind::Previous => self.previous,
+            EdgeKind::Rib => {
+                let at = edge as usize;
+                (at == 0 && self.ribs[0]) || (at + 1 == ribs && self.ribs[1])
+            }
+            EdgeKind::Diagonal | EdgeKind::Current => false,
+        }
+    }
+}
+
 impl Trace {
     /// Returns the number of mesh triangles that the curves cross.
     pub(crate) fn hits(&self) -> usize {
@@ -70,11 +93,17 @@ impl Trace {
         ends.find(|end| end.is_end).map(|end| end.triangle(surface))
     }
 
-    /// Returns a mesh triangle that the blade's previous edge pierces, if a curve ends there.
-    pub(crate) fn previous_end(&self, surface: &Surface, facets: &Facets) -> Option<TriangleId> {
-        let is_previous = |edge: u32| facets.kind(edge) == EdgeKind::Previous;
+    /// Returns a mesh triangle in which a curve ends at a part of the sweep's boundary that must be
+    /// outside of the body.
+    pub(crate) fn end_outside(
+        &self,
+        surface: &Surface,
+        facets: &Facets,
+        outside: Outside,
+    ) -> Option<TriangleId> {
         let mut ends = (self.curves.iter()).flat_map(|curve| self.ends(curve));
-        let end = ends.find(|end| end.is_end && end.sweep_edge().is_some_and(is_previous))?;
+        let is_outside = |edge: u32| outside.has(facets, edge);
+        let end = ends.find(|end| end.is_end && end.sweep_edge().is_some_and(is_outside))?;
         Some(end.triangle(surface))
     }
 

@@ -1,0 +1,108 @@
+//! Entries of a blade into a deformed body.
+//!
+//! As all steps in a deformed body, an entry is cut in the rest shape, where the body overlaps
+//! itself nowhere. The blade is known there where it pierces the surface. Before the step it was
+//! outside, up to second order in its motion.
+
+use super::Incision;
+use super::approach::Approach;
+use super::columns::{Column, Extent, MAX_WIDENING, Poses, WIDENING};
+use super::piercings::{Piercing, is_pierced};
+use super::step_sweep::REACHES;
+use incise_mesh::geometry::{area_vector, to_f32};
+use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
+
+/// Points beside the body at which the line of a blade bends in the rest shape.
+#[derive(Debug, Clone, Default)]
+pub(super) struct EntryCorners {
+    /// Their parameters, ascending.
+    pub(super) parameters: Vec<f64>,
+    /// The first and the last one, if the blade begins and ends outside of the body.
+    pub(super) outer: [Option<f64>; 2],
+    /// The mean unit vector out of the body where the blade pierces the surface, at rest.
+    outward: Vec3,
+}
+
+impl EntryCorners {
+    /// Returns the corners beside the ends of a blade's parts in the body, outside of it.
+    ///
+    /// `speeds` are lengths at rest per parameter there \[m\], `local` is that of edges \[m\].
+    pub(super) fn beside(
+        surface: &Surface,
+        ends: &[Piercing],
+        speeds: impl Iterator<Item = f64>,
+        local: f64,
+    ) -> Self {
+        let corner = |(i, speed): (usize, f64)| {
+            let own = ends[i].parameter;
+            let next = if ends[i].enters {
+                let before = i.checked_sub(1).map(|i| ends[i].parameter);
+                before.map_or(own.floor(), |before| own.floor().max(before))
+            } else {
+                let after = ends.get(i + 1).map(|end| end.parameter);
+                after.map_or(own.ceil(), |after| own.ceil().min(after))
+            };
+            let part = (WIDENING * local / (speed * (next - own).abs())).min(MAX_WIDENING);
+            own + (next - own) * part
+        };
+        let parameters: Vec<f64> = speeds.enumerate().map(corner).collect();
+        let last = ends.len().saturating_sub(1);
+        let outer = [(0, true), (last, false)].map(|(i, enters)| {
+            let own = ends.get(i).filter(|end| end.enters == enters);
+            own.map(|_| parameters[i])
+        });
+        let normals = ends.iter().map(|end| {
+            let corners = surface.topology().triangle(end.triangle);
+            let normal = area_vector(corners.map(|v| surface.rest_position(v)));
+            normal.try_normalize(0.0).unwrap_or_default()
+        });
+        let outward = normals.sum::<Vec3>().try_normalize(0.0).unwrap_or_default();
+        Self {
+            parameters,
+            outer,
+            outward,
+        }
+    }
+}
+
+impl Incision {
+    /// Returns the columns of a step into a deformed body.
+    ///
+    /// The previous edge is displaced out of the body and back, until it pierces the surface
+    /// nowhere, or not at all if it always does. `near` finds the triangles in a box.
+    pub(super) fn entry_columns(
+        &self,
+        surface: &Surface,
+        approach: &Approach,
+        blade: &[[f32; 3]],
+        extent: Extent,
+        mut near: impl FnMut(&Aabb) -> Vec<TriangleId>,
+    ) -> Vec<Column> {
+        let poses = Poses {
+            map: &approach.map,
+            tip: &[],
+            stands: &[],
+            offsets: &[],
+            last: &self.pose,
+            new: blade,
+        };
+        let columns = self.columns(surface, &poses, extent, None);
+        let motion: Vec3 = columns.iter().map(|c| c.current - c.previous).sum();
+        let motion = motion.try_normalize(0.0).unwrap_or_default();
+        let back = approach.map.corners.outward - motion;
+        let back = back.try_normalize(0.0).unwrap_or_default();
+        let displaced = REACHES.into_iter().map(|reach| {
+            let mut columns = columns.clone();
+            for column in &mut columns {
+                column.previous += back * (reach * self.local);
+            }
+            columns
+        });
+        let free = displaced.into_iter().find(|columns| {
+            let points: Vec<Vec3> = columns.iter().map(|column| column.previous).collect();
+            let near = near(&Aabb::around(points.iter().map(|&p| to_f32(p))));
+            !is_pierced(&points, surface, &near)
+        });
+        free.unwrap_or(columns)
+    }
+}
