@@ -55,8 +55,8 @@ use section::{Rims, target_lengths};
 use snap::Snapper;
 use split::Splitter;
 pub(crate) use verify::has_walls;
-pub(crate) use walls::RimMove;
 use walls::{Around, Walls};
+pub(crate) use walls::{MAX_OFFSET, RimMove};
 use web_time::Instant;
 
 /// A search for the parts of cut pieces beside the meshing of caps, which must not join others.
