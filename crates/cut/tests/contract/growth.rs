@@ -94,7 +94,7 @@ fn corner_count(surface: &Surface) -> usize {
 
 /// Twenty slits through the middle leave at most twice the triangles that the corners of their
 /// arrangement and the area of the walls need. All walls stay mirror images, no edge is without
-/// length.
+/// length, and a body at rest stays at rest.
 #[test]
 fn crossing_slits_leave_few_triangles() {
     for snap in [0.0, 0.1] {
@@ -109,6 +109,9 @@ fn crossing_slits_leave_few_triangles() {
             check(&body);
             cutter.bvh().validate(&body).unwrap();
             assert_eq!(lone_walls(&body), 0, "snap {snap}, slit {i}");
+            let mut shapes = body.positions().iter().zip(body.rest_positions());
+            let is_at_rest = |(position, rest): (&[f32; 4], &[f32; 3])| position[..3] == *rest;
+            assert!(shapes.all(is_at_rest), "snap {snap}, slit {i}");
             assert!(shortest_edge(&body) > 0.0, "snap {snap}, slit {i}");
             let error = (body.volume() / volume - 1.0).abs();
             assert!(error < if snap == 0.0 { 1e-6 } else { 2e-3 }, "{error}");
