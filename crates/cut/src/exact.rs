@@ -37,6 +37,7 @@ mod walls;
 use crate::blade_position::is_in_body;
 use crate::error::CutError;
 use crate::intersection::Intersection;
+use crate::intersection::trace::Curve;
 use crate::outcome::CutOutcome;
 use crate::params::CutParams;
 use crate::separate::Separator;
@@ -55,8 +56,8 @@ use section::{Rims, target_lengths};
 use snap::Snapper;
 use split::Splitter;
 pub(crate) use verify::has_walls;
-pub(crate) use walls::RimMove;
 use walls::{Around, Walls};
+pub(crate) use walls::{MAX_OFFSET, RimMove};
 use web_time::Instant;
 
 /// A search for the parts of cut pieces beside the meshing of caps, which must not join others.
@@ -204,13 +205,15 @@ impl Exact {
         } = at;
         let report = &mut outcome.report;
         self.frames.read(facets);
+        let shape = facets.tip().rest_shape();
+        self.snapper.find_shared(surface, shape, &trace.nodes);
         let parts = if params.snap > 0.0 || params.remesh > 0.0 {
-            volumes::smaller_parts(surface, &at, &self.frames)
+            let may_move = |curve: &Curve| params.remesh > 0.0 || self.snapper.may_snap(curve);
+            volumes::smaller_parts(surface, &at, &self.frames, may_move)
         } else {
             Vec::new()
         };
         let mut edit = surface.edit();
-        let shape = facets.tip().rest_shape();
         let goes_on = !facets.tip().parts.is_empty();
         // Sheets get no walls.
         let mut walls = trace.curves.iter().filter(|curve| curve.is_capped);
@@ -219,8 +222,6 @@ impl Exact {
             let hit = trace.chords.iter().map(|chord| chord.triangle);
             sizing::prepare(&mut edit, shape, hit);
         }
-        self.snapper
-            .find_shared(edit.surface(), shape, &trace.nodes);
         (self.sides).open(&mut edit, trace, facets, &mut self.splitter)?;
         sizing::mark(&mut edit, self.sides.vertices.iter().flatten().copied());
         self.rim.reset(trace);

@@ -175,10 +175,15 @@ impl Incision {
         } else {
             IncisionState::Abandoned
         };
-        self.tip.clear();
+        self.leave_tip();
         self.path.clear();
-        self.borders = Default::default();
         self.back = None;
+    }
+
+    /// Forgets the tip, the border behind it, and refused steps.
+    fn leave_tip(&mut self) {
+        self.tip.clear();
+        self.borders = Default::default();
         self.refused.clear();
         self.refused_steps = 0;
     }

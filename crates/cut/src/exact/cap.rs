@@ -3,11 +3,11 @@
 mod attributes;
 
 use super::open::{Sides, check_corners};
-use super::rest::CapRest;
+use super::rest::{CapRest, add_vertex_between};
 use super::section::{BoundaryEdge, CrossSection, FacetSection, Rims};
 use crate::error::CutError;
 use crate::params::CutParams;
-use incise_mesh::geometry::{round_to_f32, to_f32};
+use incise_mesh::geometry::round_to_f32;
 use incise_mesh::{
     Edit, HalfEdge, Surface, Topology, TriangleId, VertexId, VertexOrigin, index_u32,
 };
@@ -261,16 +261,10 @@ impl Cap {
             let parents = inner.parents.map(|p| vertices[p as usize]);
             let weights = inner.weights.map(round_to_f32);
             let origin = VertexOrigin::OnCap { parents, weights };
-            let surface = edit.surface();
-            let [x, y, z, w] = origin.interpolate(|v| {
-                let [x, y, z] = surface.rest_positions()[v.index()];
-                [x, y, z, surface.positions()[v.index()][3]]
-            });
-            let rest = self.rest.position(k, to_f32([x, y, z].into()));
             let local = section.uncentered(inner.position);
-            let [x, y, z] = to_f32(rims.frames.lift(section.facet, local));
-            let position = [x, y, z, round_to_f32(w)];
-            vertices.push(edit.add_vertex(position, rest, origin));
+            let position = rims.frames.lift(section.facet, local);
+            let rest = |mean| self.rest.position(k, mean);
+            vertices.push(add_vertex_between(edit, position, origin, rest));
         }
     }
 

@@ -13,7 +13,7 @@ mod spacing;
 mod windings;
 
 use super::open::Sides;
-use super::rest::fit_rest;
+use super::rest::{add_vertex_between, fit_rest};
 use super::rim::Rim;
 use crate::blade_position::is_in_body;
 use crate::error::CutError;
@@ -257,7 +257,8 @@ impl Chains {
             let mut add = |side: usize| {
                 let [a, b] = vertices.map(|v| v[side]);
                 let parents = [a, b, a];
-                edit.add_interpolated_vertex(position, VertexOrigin::OnCap { parents, weights })
+                let origin = VertexOrigin::OnCap { parents, weights };
+                add_vertex_between(edit, position, origin, |mean| mean)
             };
             let below = add(0);
             let above = if is_tip { below } else { add(1) };

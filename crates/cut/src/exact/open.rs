@@ -1,5 +1,6 @@
 //! Opens the surface along the curves: replaces hit triangles by their parts on two sides.
 
+use super::rest::add_vertex_between;
 use super::split::{Corner, EdgeRole, Hit, Part, Splitter};
 use crate::error::CutError;
 use crate::intersection::facets::Facets;
@@ -48,16 +49,14 @@ impl Sides {
         splitter: &mut Splitter,
     ) -> Result<(), CutError> {
         self.vertices.clear();
+        let mut add =
+            |node: &Node| add_vertex_between(edit, node.position, node.origin(), |mean| mean);
         for node in &trace.nodes {
             let first = match node.on {
                 On::Tip(vertex) => vertex,
-                _ => edit.add_interpolated_vertex(node.position, node.origin()),
+                _ => add(node),
             };
-            let second = if node.is_end {
-                first
-            } else {
-                edit.add_interpolated_vertex(node.position, node.origin())
-            };
+            let second = if node.is_end { first } else { add(node) };
             self.vertices.push([first, second]);
         }
         self.rim.clear();

@@ -7,8 +7,8 @@
 use super::open::Sides;
 use super::rim::Rim;
 use crate::affine::AffineMap;
-use incise_mesh::geometry::to_f32;
-use incise_mesh::{Surface, VertexId};
+use incise_mesh::geometry::{round_to_f32, to_f32};
+use incise_mesh::{Edit, Surface, Vec3, VertexId, VertexOrigin};
 use incise_refine::{HarmonicScratch, Section, SectionMesh, interpolate_harmonic};
 
 /// Rounding error of stored positions of a planar rim [of the largest coordinate].
@@ -60,6 +60,33 @@ impl CapRest {
         let found = self.inner.get(inner).copied().unwrap_or(mean);
         [0, 1, 2].map(|k| if self.is_mean[k] { mean[k] } else { found[k] })
     }
+}
+
+/// Adds a vertex with the mean rest position and inverse mass of its parents, or at rest if its
+/// parents are.
+///
+/// `rest_from_mean` may replace the mean. In a body at rest, rounding would otherwise give the
+/// vertex two positions, and the vertices of coincident walls different ones.
+pub(super) fn add_vertex_between(
+    edit: &mut Edit<'_>,
+    position: Vec3,
+    origin: VertexOrigin,
+    rest_from_mean: impl FnOnce([f32; 3]) -> [f32; 3],
+) -> VertexId {
+    let surface = edit.surface();
+    let [x, y, z, w] = origin.interpolate(|v| {
+        let [x, y, z] = surface.rest_positions()[v.index()];
+        [x, y, z, surface.positions()[v.index()][3]]
+    });
+    let is_at_rest = |v: VertexId| surface.position(v) == surface.rest_position(v);
+    let place = to_f32(position);
+    let rest = if origin.weights().iter().all(|&(v, _)| is_at_rest(v)) {
+        place
+    } else {
+        rest_from_mean(to_f32([x, y, z].into()))
+    };
+    let [x, y, z] = place;
+    edit.add_vertex([x, y, z, round_to_f32(w)], rest, origin)
 }
 
 /// Fits the map from positions to rest positions around `curves`: their vertices and neighbors.

@@ -22,6 +22,7 @@ use super::rim::NO_NODE;
 use super::volumes::SmallerPart;
 use crate::intersection::facets::Facets;
 use crate::intersection::node::{Node, On};
+use crate::intersection::trace::Curve;
 use crate::sizing::{self, RestShape};
 use incise_mesh::geometry::area_vector;
 use incise_mesh::{HalfEdge, Surface, Topology, Vec3, VertexId, index_u32};
@@ -122,6 +123,12 @@ impl Snapper {
                 self.is_shared[i] |= is_shared;
             }
         }
+    }
+
+    /// Returns whether snapping may move a node of a curve: one without a partner.
+    pub(super) fn may_snap(&self, curve: &Curve) -> bool {
+        let mut nodes = curve.nodes.clone();
+        nodes.any(|node| !self.is_shared[node as usize])
     }
 
     /// Returns whether nodes are on coincident walls.

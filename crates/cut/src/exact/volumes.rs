@@ -52,7 +52,7 @@ pub(super) struct SmallerPart {
     pub(super) thickness: f64,
 }
 
-/// Returns the smaller part beside each curve.
+/// Returns the smaller part beside each curve, without a volume where `is_measured` is false.
 ///
 /// The section between two curves counts to both by halves. A sheet counts as a strip that is one
 /// edge wide and thick.
@@ -60,11 +60,14 @@ pub(super) fn smaller_parts(
     surface: &Surface,
     at: &Intersection<'_>,
     frames: &Frames,
+    is_measured: impl Fn(&Curve) -> bool,
 ) -> Vec<SmallerPart> {
+    let is_measured: Vec<bool> = at.trace.curves.iter().map(is_measured).collect();
     let bodies: Vec<usize> = (0..at.trace.curves.len())
         .filter(|&curve| is_body(surface, at, &at.trace.curves[curve]))
         .collect();
-    let lines = lines(at, frames, &bodies);
+    let measured = bodies.iter().copied().filter(|&curve| is_measured[curve]);
+    let lines = lines(at, frames, measured);
     let crossings = crossings(at, frames, &bodies, &lines);
     let mut areas = vec![0.0; at.trace.curves.len()];
     let mut volumes = vec![[0.0; 2]; at.trace.curves.len()];
@@ -95,7 +98,12 @@ pub(super) fn smaller_parts(
     }
     let mut parts = Vec::with_capacity(volumes.len());
     for (curve, [below, above]) in volumes.into_iter().enumerate() {
-        parts.push(if bodies.binary_search(&curve).is_ok() {
+        parts.push(if !is_measured[curve] {
+            SmallerPart {
+                volume: 0.0,
+                thickness: f64::INFINITY,
+            }
+        } else if bodies.binary_search(&curve).is_ok() {
             let volume = f64::min(below, above);
             let thickness = volume / areas[curve];
             SmallerPart { volume, thickness }
@@ -124,9 +132,9 @@ fn is_body(surface: &Surface, at: &Intersection<'_>, curve: &Curve) -> bool {
 }
 
 /// Returns the lines across some curves, in the order of their heights.
-fn lines(at: &Intersection<'_>, frames: &Frames, curves: &[usize]) -> Vec<Line> {
+fn lines(at: &Intersection<'_>, frames: &Frames, curves: impl Iterator<Item = usize>) -> Vec<Line> {
     let mut lines = Vec::new();
-    for &curve in curves {
+    for curve in curves {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for [[_, y], _] in frames.flat_edges(at.trace, &at.trace.curves[curve]) {
             (low, high) = (low.min(y), high.max(y));

@@ -34,7 +34,7 @@ use star::Star;
 /// Maximum displacement of a wall by an operation [target lengths].
 ///
 /// An edge of one target length is as far off an arc whose radius is six of them.
-const MAX_OFFSET: f64 = 0.02;
+pub(crate) const MAX_OFFSET: f64 = 0.02;
 
 /// Sine of the smallest angle above which a collapse may make angles smaller: 20 degrees, as of
 /// remeshing, and 10 degrees if the cut crosses walls.

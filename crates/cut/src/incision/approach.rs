@@ -2,13 +2,14 @@
 
 use super::closing::Closing;
 use super::lead::{MIN_MOTION, free_standing, has_moved, is_ahead, standing};
-use super::line::offset;
+use super::line::{offset, point_at};
 use super::map::{BladeMap, is_at_rest};
 use super::path::come_within;
 use super::piercings::{Piercing, ends_in_body, piercings};
 use super::{Incision, IncisionState, PATH_WIDTH, TipPoint};
 use crate::blade_position::is_in_body;
 use crate::error::CutError;
+use crate::exact::MAX_OFFSET;
 use incise_mesh::geometry::{to_f32, to_f64};
 use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
 
@@ -74,6 +75,9 @@ impl Incision {
         let is_ahead = is_ahead(&leads);
         let closing = self.closing(surface, &map, &leads, blade);
         if !has_moved(&leads) && !is_outside && closing.is_none() {
+            return Ok(None);
+        }
+        if is_ahead && closing.is_none() && self.returns(surface, &tip, blade) {
             return Ok(None);
         }
         let is_ahead = is_ahead || closing.is_some();
@@ -185,6 +189,35 @@ impl Incision {
         }
         self.back = found.or(self.back);
         found.is_some()
+    }
+
+    /// Ends the cut at its tip if that has crossed the way of the blade and the sweep from there to
+    /// a new pose is along that way, where the body is cut. Returns whether it does.
+    ///
+    /// `tip` has parameters of the new pose.
+    fn returns(&mut self, surface: &Surface, tip: &[TipPoint], blade: &[[f32; 3]]) -> bool {
+        if tip.len() < 2 {
+            return false;
+        }
+        // The offset of a line between two poses is at most that of both and of their middle, up
+        // to second order in the turn.
+        let lines = [0.0, 0.5, 1.0].map(|part| {
+            let points = tip.iter().map(|point| {
+                let place = surface.position(point.vertex);
+                to_f32(place + (point_at(blade, point.parameter) - place) * part)
+            });
+            points.collect()
+        });
+        let width = MAX_OFFSET * self.local;
+        let Some(back) = self.path.find_again(surface, &lines, width) else {
+            return false;
+        };
+        self.leave_tip();
+        self.take_pose(blade);
+        self.see(blade);
+        self.state = IncisionState::Finished;
+        self.back = Some(back);
+        true
     }
 
     /// Returns whether the last step to these positions of the tip was refused \[m\].

@@ -142,47 +142,148 @@ impl Path {
         motion: f64,
         width: f64,
     ) -> Option<f64> {
-        let slots = surface.topology().vertex_slots();
         let reach = 2.0 * (motion + width);
         // A segment counts from the place of its end on, so the one before may begin far ahead.
-        let (mut behind, mut previous) = (0.0, 0.0);
+        let mut previous = 0.0;
         let mut found = None;
-        for (i, tip) in self.tips.iter().enumerate().rev() {
-            let before = i.checked_sub(1).map(|i| self.tips[i]);
-            let mut ends = tip.iter().chain(before.iter().flatten());
-            let is_gone = ends.any(|end| {
-                let mut used = end.sides.iter().flat_map(|point| point.ends);
-                used.any(|v| v.index() >= slots)
-            });
-            if behind > back + reach + previous || is_gone {
+        for segment in self.segments(surface) {
+            if segment.behind > back + reach + previous {
                 break;
             }
-            let to = tip.map(|end| end.middle(surface));
-            let from = match before {
-                Some(before) => before.map(|end| end.middle(surface)),
-                None => tip.map(|end| (point_at(&self.entry, end.parameter), 0.0)),
-            };
-            // The distances of the blade from the tip's ends change linearly along the way.
-            let [first, last] = [from, to].map(|ends| ends.map(|end| offset(blade, end.0)));
-            let earliest = if before.is_some() {
-                0.0
-            } else {
-                f64::NEG_INFINITY
-            };
-            let length = (0..2).fold(0.0, |m, k| (to[k].0 - from[k].0).norm().max(m));
-            let widths = [from, to].map(|ends| ends.map(|end| width + end.1));
-            let is_near = back.is_infinite() || behind + length >= back - reach;
-            if is_near && come_within(first, last, earliest, widths) {
-                found = Some(behind);
+            let is_near = back.is_infinite() || segment.behind + segment.length >= back - reach;
+            if is_near && segment.has(blade, [width; 2]) {
+                found = Some(segment.behind);
                 if back.is_finite() {
                     break;
                 }
             }
-            behind += length;
-            previous = length;
+            previous = segment.length;
         }
         found
     }
+
+    /// Returns how far behind the tip the last of some lines is, if the last step has crossed the
+    /// way before it and each line is there \[m\].
+    ///
+    /// Lines are there up to `width` \[m\], the distance of the walls, and the height of the arc
+    /// on which the blade has moved above its step.
+    pub(super) fn find_again(
+        &self,
+        surface: &Surface,
+        lines: &[Vec<[f32; 3]>],
+        width: f64,
+    ) -> Option<f64> {
+        let segments: Vec<Segment> = self.segments(surface).collect();
+        let [last, _, before @ ..] = &segments[..] else {
+            return None;
+        };
+        let has_crossed = |k: usize| before.iter().any(|segment| last.crosses(segment, k));
+        if !(0..2).all(has_crossed) {
+            return None;
+        }
+        let find = |line: &Vec<[f32; 3]>| {
+            let is_there = |&i: &usize| {
+                let heights = arc_heights(&segments, i).map(|height| width + height);
+                segments[i].has(line, heights)
+            };
+            (1..segments.len()).find(is_there)
+        };
+        let places = lines.iter().map(find).collect::<Option<Vec<usize>>>()?;
+        places.last().map(|&i| segments[i].behind)
+    }
+
+    /// Iterates over the steps of the way, from the tip to the start.
+    fn segments<'a>(&'a self, surface: &'a Surface) -> impl Iterator<Item = Segment> + 'a {
+        let slots = surface.topology().vertex_slots();
+        let is_known = move |tip: &[PathPoint; 2]| {
+            let mut used = tip
+                .iter()
+                .flat_map(|end| end.sides)
+                .flat_map(|side| side.ends);
+            used.all(|v| v.index() < slots)
+        };
+        let middles = |tip: [PathPoint; 2]| tip.map(|end| end.middle(surface));
+        let mut behind = 0.0;
+        let steps = self.tips.iter().enumerate().rev();
+        steps.map_while(move |(i, tip)| {
+            let before = i.checked_sub(1).map(|i| self.tips[i]);
+            if !is_known(tip) || before.is_some_and(|before| !is_known(&before)) {
+                return None;
+            }
+            let to = middles(*tip);
+            let from = before.map_or_else(
+                || tip.map(|end| (point_at(&self.entry, end.parameter), 0.0)),
+                middles,
+            );
+            let length = (0..2).fold(0.0, |m, k| (to[k].0 - from[k].0).norm().max(m));
+            let segment = Segment {
+                behind,
+                length,
+                from,
+                to,
+                is_first: before.is_none(),
+            };
+            behind += length;
+            Some(segment)
+        })
+    }
+}
+
+/// A step of the way.
+#[derive(Debug, Clone, Copy)]
+struct Segment {
+    /// Distance from its end to the tip, and its length \[m\].
+    behind: f64,
+    length: f64,
+    /// The ends of the tip before and after it, each with its distance from the walls \[m\].
+    from: [(Vec3, f64); 2],
+    to: [(Vec3, f64); 2],
+    /// Whether the way begins with it.
+    is_first: bool,
+}
+
+impl Segment {
+    /// Returns whether a blade is on it, or behind the start of the way, up to `widths` at the ends
+    /// of the tip \[m\].
+    fn has(&self, blade: &[[f32; 3]], widths: [f64; 2]) -> bool {
+        // The distances of the blade from the tip's ends change linearly along the way.
+        let both = [self.from, self.to];
+        let [first, last] = both.map(|ends| ends.map(|end| offset(blade, end.0)));
+        let earliest = if self.is_first {
+            f64::NEG_INFINITY
+        } else {
+            0.0
+        };
+        let widths = both.map(|ends| [0, 1].map(|k| widths[k] + ends[k].1));
+        come_within(first, last, earliest, widths)
+    }
+
+    /// Returns the way of an end of the tip.
+    fn way(&self, k: usize) -> Vec3 {
+        self.to[k].0 - self.from[k].0
+    }
+
+    /// Returns whether an end of the tip crosses another step, seen along the tip.
+    fn crosses(&self, other: &Self, k: usize) -> bool {
+        let along = self.to[1].0 - self.to[0].0;
+        let side = |[a, b]: [Vec3; 2], c: Vec3| along.dot(&(b - a).cross(&(c - a))) < 0.0;
+        let [own, other] = [self, other].map(|step| [step.from[k].0, step.to[k].0]);
+        let parts = |line: [Vec3; 2], [a, b]: [Vec3; 2]| side(line, a) != side(line, b);
+        parts(own, other) && parts(other, own)
+    }
+}
+
+/// Returns the height of the arc above each end's way in step `i` \[m\].
+///
+/// The arc turns in a step as the way does from step to step: of both neighbors the lesser turn,
+/// since a corner of the way is no arc. An arc that turns by `t` is `t / 8` of its chord high.
+fn arc_heights(segments: &[Segment], i: usize) -> [f64; 2] {
+    let beside = [i.checked_sub(1), Some(i + 1)].map(|i| segments.get(i?));
+    [0, 1].map(|k| {
+        let way = segments[i].way(k);
+        let turns = beside.map(|other| other.map_or(0.0, |other| other.way(k).angle(&way)));
+        way.norm() * turns[0].min(turns[1]) / 8.0
+    })
 }
 
 /// Returns whether two vectors that change linearly each become as short as `widths`, which change

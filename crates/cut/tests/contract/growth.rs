@@ -1,4 +1,5 @@
-//! Incisions that cross each other: number of triangles, partners of walls, volumes and undo.
+//! Incisions that cross each other or themselves: number of triangles, partners of walls, volumes
+//! and undo.
 
 use crate::common::{check, params, shortest_edge};
 use incise_cut::{CutParams, Cutter, Incision, Sweep};
@@ -93,7 +94,7 @@ fn corner_count(surface: &Surface) -> usize {
 
 /// Twenty slits through the middle leave at most twice the triangles that the corners of their
 /// arrangement and the area of the walls need. All walls stay mirror images, no edge is without
-/// length.
+/// length, and a body at rest stays at rest.
 #[test]
 fn crossing_slits_leave_few_triangles() {
     for snap in [0.0, 0.1] {
@@ -108,6 +109,9 @@ fn crossing_slits_leave_few_triangles() {
             check(&body);
             cutter.bvh().validate(&body).unwrap();
             assert_eq!(lone_walls(&body), 0, "snap {snap}, slit {i}");
+            let mut shapes = body.positions().iter().zip(body.rest_positions());
+            let is_at_rest = |(position, rest): (&[f32; 4], &[f32; 3])| position[..3] == *rest;
+            assert!(shapes.all(is_at_rest), "snap {snap}, slit {i}");
             assert!(shortest_edge(&body) > 0.0, "snap {snap}, slit {i}");
             let error = (body.volume() / volume - 1.0).abs();
             assert!(error < if snap == 0.0 { 1e-6 } else { 2e-3 }, "{error}");
@@ -173,4 +177,53 @@ fn walls_of_a_circling_blade_keep_their_partners() {
     check(&body);
     assert!((body.volume() / volume - 1.0).abs() < 1e-4);
     assert!(body.topology().triangle_count() < 3000);
+}
+
+/// A blade that circles 1,000 frames on a cylinder through a ball cuts on its first lap, and at
+/// most until it has crossed its start.
+///
+/// Radii, turns per frame, and drifts of the radius by up to a hundredth of an edge in a lap.
+#[test]
+fn a_blade_that_circles_cuts_once() {
+    let circles = [
+        (0.2, 0.0623, 0.0, 0.1),
+        (0.1, 0.0623, 0.0, 0.0),
+        (0.15, 0.1, 0.0, 0.1),
+        (0.1, 0.5, 2e-5, 0.0),
+        (0.2, 0.5, -2e-4, 0.1),
+    ];
+    for (radius, turn, drift, snap) in circles {
+        let mut body = icosphere(2, 0.5);
+        let count = body.topology().triangle_count();
+        let volume = body.volume();
+        let (mut cutter, mut incision) = (Cutter::new(&body), Incision::default());
+        for frame in 0..=1000u16 {
+            let angle = turn * f64::from(frame);
+            let (sin, cos) = angle.sin_cos();
+            let radius = radius + drift * angle;
+            let out = if frame == 0 { 1.0 } else { 0.0 };
+            let pose = [-1.0, 1.0].map(|y| to_f32(Vec3::new(radius * cos - out, y, radius * sin)));
+            let before = body.clone();
+            let outcome = cutter.advance(&mut body, &mut incision, &pose, &params(snap));
+            let Some(undo) = outcome.unwrap().undo else {
+                continue;
+            };
+            check(&body);
+            assert_eq!(lone_walls(&body), 0, "{radius}, frame {frame}");
+            let mut undone = body.clone();
+            undo.revert(&mut undone).unwrap();
+            assert_eq!(undone, before, "the undo restores every bit");
+        }
+        let error = (body.volume() / volume - 1.0).abs();
+        let bound = if snap == 0.0 { 1e-6 } else { 2e-3 };
+        assert!(error < bound, "{radius}: {error}");
+        let mut pieces = body.piece_volumes();
+        pieces.sort_by(f64::total_cmp);
+        let free: f64 = pieces.iter().rev().skip(1).sum();
+        let inscribed =
+            0.8 * std::f64::consts::PI * (radius * radius) * 2.0 * (0.25 - radius * radius).sqrt();
+        assert!(free > inscribed, "{radius}: {pieces:?}");
+        let circling = body.topology().triangle_count();
+        assert!(circling < 20 * count, "{radius}: {circling}");
+    }
 }

@@ -63,14 +63,11 @@ impl Walls {
         let surface = edit.surface();
         let own = surface.topology().origin(star.ring[0].h);
         let is_moved = shape.rest.bits(surface, own) != shape.rest.bits(surface, target.to);
-        let lone = star.copies.iter().zip(&target.along);
-        let lone = lone.filter(|&(_, along)| is_moved && along.is_none());
+        let lone = (0..star.copies.len()).filter(|&copy| is_moved && target.along[copy].is_none());
         let lone: Vec<_> = lone
-            .map(|(own, _)| {
-                (
-                    own.clone(),
-                    moved_vertex(surface, shape, star, own, target.to),
-                )
+            .map(|copy| {
+                let places = target_places(surface, shape, star, target, copy);
+                (star.copies[copy].clone(), places)
             })
             .collect();
         let mut near = Vec::new();
@@ -132,10 +129,35 @@ impl Walls {
     }
 }
 
+/// Returns the position and the rest position that a vertex of a point gets by a collapse \[m\].
+///
+/// Vertices at one place in both shapes stay at one place, so that later cuts split all walls
+/// alike.
+pub(super) fn target_places(
+    surface: &Surface,
+    shape: &Shape,
+    star: &Star,
+    target: &Collapse,
+    copy: usize,
+) -> [Vec3; 2] {
+    let topology = surface.topology();
+    let vertex = |copy: usize| topology.origin(star.ring[star.copies[copy].start].h);
+    let place = |copy: usize| shape.other(surface, vertex(copy));
+    let own = place(copy);
+    let same = (0..star.copies.len()).filter(|&other| place(other) == own);
+    let along = same.clone().find_map(|other| target.along[other]);
+    let along = target.along[copy].or(along);
+    if let Some(kept) = along.map(|h| topology.target(h)) {
+        return [surface.position(kept), surface.rest_position(kept)];
+    }
+    let first = same.min().unwrap_or(copy);
+    moved_vertex(surface, shape, star, &star.copies[first], target.to)
+}
+
 /// Returns the position and the rest position of a vertex of a point that moves onto `to` \[m\].
 ///
 /// In the shape that is not at rest it moves as the triangles around it map the way.
-pub(super) fn moved_vertex(
+fn moved_vertex(
     surface: &Surface,
     shape: &Shape,
     star: &Star,

@@ -1,6 +1,6 @@
 //! Whether a collapse is valid, and the smallest angle that it leaves.
 
-use super::collapse::{Collapse, moved_vertex};
+use super::collapse::{Collapse, target_places};
 use super::star::{Star, is_affine};
 use super::{MAX_OFFSET, ROUNDING, Shape, smallest_sine};
 use crate::exact::contract::swept_volume;
@@ -63,16 +63,13 @@ pub(super) fn quality_onto(
     }
     let is_short = way < MAX_OFFSET * length;
     let rounding = ROUNDING * p.amax().max(q.amax());
-    for (own, &along) in star.copies.iter().zip(&target.along) {
+    for (copy, (own, &along)) in star.copies.iter().zip(&target.along).enumerate() {
         let gone = topology.origin(star.ring[own.start].h);
         let kept = along.map(|h| topology.target(h));
         if is_pinned(gone) && !kept.is_some_and(is_pinned) {
             return None;
         }
-        let to = match kept {
-            Some(kept) => [surface.position(kept), surface.rest_position(kept)],
-            None => moved_vertex(surface, shape, star, own, target.to),
-        };
+        let to = target_places(surface, shape, star, target, copy);
         if let Some(along) = along
             && star.has_skin
             && !is_affine(surface, shape, star, own, along)
