@@ -104,6 +104,7 @@ pub(crate) struct Exact {
     snapper: Snapper,
     remesher: Remesher,
     frames: Frames,
+    column: volumes::Column,
     lengths: Vec<f64>,
     chains: Chains,
     cap: Cap,
@@ -205,7 +206,7 @@ impl Exact {
         let report = &mut outcome.report;
         self.frames.read(facets);
         let parts = if params.snap > 0.0 || params.remesh > 0.0 {
-            volumes::smaller_parts(surface, &at, &self.frames)
+            volumes::smaller_parts(surface, &at, &self.frames, &mut self.column)
         } else {
             Vec::new()
         };

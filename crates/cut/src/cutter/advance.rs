@@ -7,8 +7,9 @@ use crate::incision::{Approach, Incision, Step, StepSweep};
 use crate::intersection::continued_tip::ContinuedTip;
 use crate::outcome::CutOutcome;
 use crate::params::CutParams;
+use crate::search::Search;
 use crate::sweep::Sweep;
-use incise_mesh::{Aabb, Bvh, Surface, TriangleId, index_u32};
+use incise_mesh::{Surface, index_u32};
 
 /// Rises of the sweep beside a tip, tried in turn until a step can be cut and starts outside the
 /// body [local edge lengths].
@@ -77,10 +78,14 @@ impl Cutter {
         blade: &[[f32; 3]],
         params: &CutParams,
     ) -> Result<CutOutcome, CutError> {
-        self.check_bvh(surface)?;
-        let near = |bounds: &Aabb| near(&self.bvh, surface, bounds);
+        let is_fitted = self.is_fitted(surface);
+        self.check_surface(surface, is_fitted)?;
+        let mut scan = std::mem::take(&mut self.scan);
+        let mut search = Search::new(&self.bvh, &mut scan, is_fitted);
         let is_inside = |point| is_in_body(surface, &self.sheets(surface), point);
-        let Some(approach) = incision.begin_step(surface, blade, near, is_inside)? else {
+        let begun = incision.begin_step(surface, blade, &mut search, is_inside);
+        self.scan = scan;
+        let Some(approach) = begun? else {
             return Ok(CutOutcome::default());
         };
         let result = self.step_in_shape(surface, incision, &approach, blade, params);
@@ -134,15 +139,10 @@ impl Cutter {
         };
         let outside = beside_tip.iter().map(|&rise| (rise, false));
         for (rise, may_start_inside) in outside.chain([(RISES[0], true)]) {
-            let near = |bounds: &Aabb| {
-                if approach.map.is_identity() {
-                    return near(&self.bvh, surface, bounds);
-                }
-                let mut found = Vec::new();
-                self.scan.query(surface, bounds, &mut found);
-                found
-            };
-            let Some(stroke) = incision.step_sweep(surface, approach, blade, rise, near)? else {
+            let uses_bvh = approach.map.is_identity() && self.is_fitted(surface);
+            let mut search = Search::new(&self.bvh, &mut self.scan, uses_bvh);
+            let stroke = incision.step_sweep(surface, approach, blade, rise, &mut search)?;
+            let Some(stroke) = stroke else {
                 break;
             };
             let StepSweep { sweep, tip, .. } = &stroke;
@@ -222,11 +222,4 @@ fn is_retried(error: &CutError, tip: &ContinuedTip) -> bool {
         CutError::PartialCut { .. } => !tip.parts.is_empty(),
         _ => false,
     }
-}
-
-/// Returns the triangles whose bounding boxes touch a box.
-fn near(bvh: &Bvh, surface: &Surface, bounds: &Aabb) -> Vec<TriangleId> {
-    let mut found = Vec::new();
-    bvh.traverse(surface, |b| b.overlaps(bounds), &mut found);
-    found
 }

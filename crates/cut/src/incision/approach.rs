@@ -8,6 +8,7 @@ use super::path::come_within;
 use super::piercings::piercings;
 use super::{Incision, IncisionState, PATH_WIDTH, TipPoint};
 use crate::error::CutError;
+use crate::search::Search;
 use incise_mesh::geometry::{to_f32, to_f64};
 use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
 
@@ -35,7 +36,7 @@ impl Incision {
     ///
     /// None for the first pose, for a motion that is too small or along the edge alone, for one
     /// back along the path, for a blade that has left beside it, and for a step that was just
-    /// refused. `near` finds the triangles in a box, and `is_inside` whether a point is in the body.
+    /// refused. `is_inside` returns whether a point is in the body.
     ///
     /// # Errors
     /// [`CutError::PolylineLength`] and [`CutError::SweepNotFinite`].
@@ -43,7 +44,7 @@ impl Incision {
         &mut self,
         surface: &Surface,
         blade: &[[f32; 3]],
-        near: impl FnOnce(&Aabb) -> Vec<TriangleId>,
+        search: &mut Search<'_>,
         is_inside: impl FnOnce([f32; 3]) -> bool,
     ) -> Result<Option<Approach>, CutError> {
         check_blade(blade)?;
@@ -53,9 +54,10 @@ impl Incision {
         }
         self.check_tip(surface);
         if !self.is_inside() {
-            return Ok(self.begin_entry(surface, blade, near, is_inside));
+            return Ok(self.begin_entry(surface, blade, search, is_inside));
         }
-        let near = near(&Aabb::around(blade.iter().copied()));
+        let line: Vec<Vec3> = blade.iter().map(|&p| to_f64(p)).collect();
+        let near = search.along(surface, &line);
         let piercings = piercings(blade, surface, &near);
         let is_outside = piercings.is_empty() && !is_inside(blade[0]);
         let map = BladeMap::new(surface, &self.tip, &piercings, self.local);
@@ -105,7 +107,7 @@ impl Incision {
         &mut self,
         surface: &Surface,
         blade: &[[f32; 3]],
-        near: impl FnOnce(&Aabb) -> Vec<TriangleId>,
+        search: &mut Search<'_>,
         is_inside: impl FnOnce([f32; 3]) -> bool,
     ) -> Option<Approach> {
         self.see(blade);
@@ -116,9 +118,7 @@ impl Incision {
             }
             self.leave();
         }
-        let mut near = near(&Aabb::around(blade.iter().copied()));
-        // The order depends on the BVH, and sums of lengths must not.
-        near.sort_unstable();
+        let near = search.in_box(surface, &Aabb::around(blade.iter().copied()));
         if self.slide_pose(surface, blade, &near) {
             return None;
         }

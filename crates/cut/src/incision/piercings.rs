@@ -1,6 +1,7 @@
 //! Where a blade pierces a surface.
 
 use super::line::point_at;
+use crate::search::touches;
 use incise_mesh::geometry::{area_vector, to_f32, to_f64};
 use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
 
@@ -83,23 +84,4 @@ pub(super) fn pierced_at(corners: [Vec3; 3], p: Vec3, q: Vec3) -> Option<f64> {
         .into_iter()
         .all(is_inside)
         .then_some(part)
-}
-
-/// Returns whether the line from `p` to `q` may touch a box, up to rounding.
-fn touches(bounds: &Aabb, p: Vec3, q: Vec3) -> bool {
-    let (mut first, mut last) = (0.0, 1.0);
-    for k in 0..3 {
-        let [low, high] = [bounds.min[k], bounds.max[k]].map(f64::from);
-        let along = q[k] - p[k];
-        if along == 0.0 {
-            if p[k] < low || p[k] > high {
-                return false;
-            }
-            continue;
-        }
-        let [s, t] = [low, high].map(|bound| (bound - p[k]) / along);
-        first = s.min(t).max(first);
-        last = s.max(t).min(last);
-    }
-    first <= last
 }

@@ -5,9 +5,10 @@ use super::line::point_at;
 use super::{Approach, Incision};
 use crate::error::CutError;
 use crate::intersection::continued_tip::{ContinuedTip, TipPart};
+use crate::search::Search;
 use crate::sweep::Sweep;
 use incise_mesh::geometry::to_f32;
-use incise_mesh::{Aabb, HalfEdge, Surface, TriangleId, Vec3, VertexId, index_u32};
+use incise_mesh::{HalfEdge, Surface, Vec3, VertexId, index_u32};
 
 /// Displacements of the front ahead of a blade that has left the body, tried in turn until the
 /// front is outside as well [local edge lengths].
@@ -28,7 +29,7 @@ impl Incision {
     /// Returns the sweep from the tip, or from the last pose, to a new pose.
     ///
     /// Beside the tip it rises from the surface by up to `rise` local edge lengths. None for a
-    /// motion along the blade's edge. `near` finds the triangles in a box.
+    /// motion along the blade's edge.
     ///
     /// # Errors
     /// As [`Sweep::strip`].
@@ -38,10 +39,10 @@ impl Incision {
         approach: &Approach,
         blade: &[[f32; 3]],
         rise: f64,
-        near: impl FnMut(&Aabb) -> Vec<TriangleId>,
+        search: &mut Search<'_>,
     ) -> Result<Option<StepSweep>, CutError> {
         let map = &approach.map;
-        let columns = self.front(surface, approach, blade, rise, near);
+        let columns = self.front(surface, approach, blade, rise, search);
         let points = |of: fn(&Column) -> Vec3| -> Vec<[f32; 3]> {
             columns.iter().map(|column| to_f32(of(column))).collect()
         };
@@ -89,7 +90,7 @@ impl Incision {
         approach: &Approach,
         blade: &[[f32; 3]],
         rise: f64,
-        mut near: impl FnMut(&Aabb) -> Vec<TriangleId>,
+        search: &mut Search<'_>,
     ) -> Vec<Column> {
         let closing = approach.closing.as_ref();
         let reaches = if approach.leaves {
@@ -114,10 +115,13 @@ impl Incision {
             if !self.is_inside() || closing.is_some() {
                 return columns;
             }
-            let points = columns.iter().map(|column| to_f32(column.current));
-            let near = near(&Aabb::around(points));
+            let near = search.along(surface, &line(&columns));
             spread(&mut columns, surface, &near, &poses);
-            if !approach.leaves || !columns::is_inside(&columns, surface, &near) {
+            if !approach.leaves {
+                return columns;
+            }
+            let near = search.along(surface, &line(&columns));
+            if !columns::is_inside(&columns, surface, &near) {
                 return columns;
             }
             if first.is_empty() {
@@ -126,6 +130,11 @@ impl Incision {
         }
         first
     }
+}
+
+/// Returns the front of some columns.
+fn line(columns: &[Column]) -> Vec<Vec3> {
+    columns.iter().map(|column| column.current).collect()
 }
 
 /// Returns the parts of the tip at some columns.
