@@ -1,6 +1,7 @@
-//! [`Cutter`]: cuts a surface along sweeps, keeps its BVH up to date and refuses a stale one.
+//! [`Cutter`]: cuts a surface along sweeps and keeps its BVH.
 
 mod advance;
+mod fit;
 
 use crate::curves::Curves;
 use crate::error::CutError;
@@ -14,12 +15,10 @@ use crate::params::{Caps, CutParams};
 use crate::separate::Separator;
 use crate::sweep::Sweep;
 use advance::Continuation;
-#[cfg(feature = "serde")]
-use incise_mesh::InvalidBvh;
-use incise_mesh::{
-    BoxScan, Bvh, Edit, Surface, TopologyDelta, TriangleId, Undo, UndoError, VertexId,
-};
+use fit::{PendingEdits, SurfaceVersion};
+use incise_mesh::{BoxScan, Bvh, Edit, Surface, TriangleId, Vec3};
 use incise_refine::Section;
+use smallvec::SmallVec;
 use std::num::NonZeroUsize;
 use web_time::Instant;
 
@@ -33,7 +32,10 @@ const MIN_SHARED: usize = 1 << 14;
 
 /// Cuts one surface repeatedly: its BVH and scratch memory.
 ///
-/// The BVH follows cuts by itself. After any other change of the surface, call [`Self::refit`].
+/// Vertices may move between cuts: triangles near a sweep are then found by passes over the surface
+/// instead of the BVH. [`Self::refit`] fits the BVH again, which is worth its time before more than
+/// a few cuts or other queries at the same positions. Call it after an edit by anything else than
+/// the cutter. Results do not depend on it.
 ///
 /// With the feature `serde`, `finish_load` must follow its `Deserialize`.
 #[derive(Debug, Clone)]
@@ -42,6 +44,9 @@ pub struct Cutter {
     bvh: Bvh,
     /// The state of the surface that the BVH fits.
     version: SurfaceVersion,
+    /// Edits of the surface after it had moved, which the BVH follows in the next refit.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pending: Option<PendingEdits>,
     #[cfg_attr(feature = "serde", serde(skip))]
     scan: BoxScan,
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -70,26 +75,6 @@ const fn one_thread() -> Option<NonZeroUsize> {
     Some(NonZeroUsize::MIN)
 }
 
-/// A state of a surface: equal for equal triangles and positions, and for no others.
-#[derive(Debug, Clone, Copy)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct SurfaceVersion {
-    /// [`Surface::fingerprint`]: the edits.
-    topology: u64,
-    /// [`Surface::motion_version`]: the motion.
-    #[cfg_attr(feature = "serde", serde(skip))]
-    motion: u64,
-}
-
-impl SurfaceVersion {
-    fn new(surface: &Surface) -> Self {
-        Self {
-            topology: surface.fingerprint(),
-            motion: surface.motion_version(),
-        }
-    }
-}
-
 impl Cutter {
     /// Builds the BVH of `surface`. O(n log n).
     #[must_use]
@@ -97,6 +82,7 @@ impl Cutter {
         Self {
             bvh: Bvh::build(surface),
             version: SurfaceVersion::new(surface),
+            pending: None,
             scan: BoxScan::default(),
             candidates: Vec::new(),
             facets: Facets::default(),
@@ -110,23 +96,6 @@ impl Cutter {
         }
     }
 
-    /// Completes a cutter that was read with serde, for its surface, which must be valid. O(n).
-    ///
-    /// Its BVH fits the present positions. It is built again if something else than the cutter has
-    /// edited the surface.
-    ///
-    /// # Errors
-    /// [`InvalidBvh`] if it is not a cutter of the surface.
-    #[cfg(feature = "serde")]
-    pub fn finish_load(&mut self, surface: &Surface) -> Result<(), InvalidBvh> {
-        if self.version.topology != surface.fingerprint() {
-            *self = Self::new(surface);
-            return Ok(());
-        }
-        self.version = SurfaceVersion::new(surface);
-        self.bvh.finish_load(surface)
-    }
-
     /// Sets whether cuts defer the update of the BVH to [`Self::update_bvh`].
     ///
     /// The caller must then call it after each cut, for example in parallel with other work.
@@ -138,15 +107,6 @@ impl Cutter {
     #[must_use]
     pub fn defers_bvh(&self) -> bool {
         self.defers_bvh
-    }
-
-    /// Updates the BVH after a cut that deferred it, or after an edit by anything else.
-    ///
-    /// `delta` must be the only edit since the last update, and no vertex may have moved. An edit
-    /// by anything else must leave closed surfaces closed. O(k log k) for k changed triangles.
-    pub fn update_bvh(&mut self, surface: &Surface, delta: &TopologyDelta) {
-        self.bvh.update(surface, delta);
-        self.version.topology = surface.fingerprint();
     }
 
     /// Sets the maximum number of threads of a cut; the default is one.
@@ -164,35 +124,6 @@ impl Cutter {
             && rayon::current_num_threads() > 1
     }
 
-    /// Fits the BVH to the surface as it is now.
-    ///
-    /// O(n) after motion. Rebuilds the BVH in O(n log n) after an edit by anything but this cutter,
-    /// and for another surface.
-    pub fn refit(&mut self, surface: &Surface) {
-        if self.version.topology == surface.fingerprint() {
-            self.bvh.refit(surface);
-        } else {
-            self.bvh.rebuild(surface);
-            self.has_sheets = !surface.topology().is_closed();
-            self.has_walls = has_walls(surface);
-            self.exact.forget();
-        }
-        self.version = SurfaceVersion::new(surface);
-    }
-
-    /// Fits the BVH to the motion of a few triangles. O(m log n) for m of them.
-    ///
-    /// These must be all that moved since the last refit. None are needed after a change of inverse
-    /// masses, which share an array with positions. After an edit this is [`Self::refit`].
-    pub fn refit_moved(&mut self, surface: &Surface, triangles: &[TriangleId]) {
-        if self.version.topology != surface.fingerprint() {
-            self.refit(surface);
-            return;
-        }
-        self.bvh.refit_moved(surface, triangles);
-        self.version = SurfaceVersion::new(surface);
-    }
-
     /// Iterates over the cross-sections of the last cut and their target edge lengths \[m\].
     ///
     /// There is one for each triangle of the sweep that has any, with a length per point. Both caps
@@ -201,54 +132,10 @@ impl Cutter {
         self.exact.sections()
     }
 
-    /// Returns the BVH of the surface.
-    #[must_use]
-    pub fn bvh(&self) -> &Bvh {
-        &self.bvh
-    }
-
-    /// Undoes a cut, see [`Undo::revert`], and updates the BVH. Returns the change.
-    ///
-    /// # Errors
-    /// [`UndoError`]; nothing is changed then.
-    pub fn undo(&mut self, surface: &mut Surface, undo: Undo) -> Result<TopologyDelta, UndoError> {
-        let is_current = self.version.topology == surface.fingerprint();
-        let delta = undo.revert(surface)?;
-        if is_current {
-            self.bvh.update(surface, &delta);
-            self.version.topology = surface.fingerprint();
-            // The undone edit may have been any, such as one that filled a hole.
-            self.has_sheets = !surface.topology().is_closed();
-            self.exact.forget();
-        } else {
-            self.refit(surface);
-        }
-        Ok(delta)
-    }
-
-    /// Checks that the BVH fits the surface and that all positions are finite. O(1) if they are.
-    fn check_bvh(&self, surface: &Surface) -> Result<(), CutError> {
-        if self.version.topology != surface.fingerprint() {
-            return Err(CutError::SurfaceEdited);
-        }
-        if self.version.motion != surface.motion_version() {
-            return Err(CutError::StaleBvh);
-        }
-        if self.bvh.is_finite() {
-            return Ok(());
-        }
-        let is_finite = |v: &VertexId| surface.position(*v).iter().all(|x| x.is_finite());
-        match surface.topology().vertices().find(|v| !is_finite(v)) {
-            Some(vertex) => Err(CutError::VertexNotFinite { vertex }),
-            None => Ok(()),
-        }
-    }
-
     /// Checks that rounding of the sweep's corners does not move the cut.
-    fn check_sweep_size(&self, sweep: &Sweep) -> Result<(), CutError> {
-        let bounds = self.bvh.bounds();
-        let coordinates = bounds.min.iter().chain(&bounds.max);
-        let largest = coordinates.fold(0.0, |m, x| f64::from(x.abs()).max(m));
+    ///
+    /// `largest` is the body's largest coordinate \[m\].
+    fn check_sweep_size(sweep: &Sweep, largest: f64) -> Result<(), CutError> {
         for (corner, p) in sweep.points().iter().enumerate() {
             let reach = p.iter().fold(0.0, |m, x| f64::from(x.abs()).max(m));
             if reach > MAX_SWEEP_RATIO * largest {
@@ -342,10 +229,11 @@ impl Cutter {
         self.find_capped(surface, params.caps, &is_sheet);
         outcome.report.detection = begin.elapsed();
         let is_shared = self.is_shared(surface);
-        let topology = self.version.topology;
+        let topology = self.known_topology();
+        let is_fitted = self.is_fitted(surface);
         let (separator, outcome_mut) = (&mut self.separator, &mut outcome);
         let at = Intersection {
-            bvh: &self.bvh,
+            bvh: (is_fitted && !tip.is_in_rest_shape()).then_some(&self.bvh),
             sweep,
             facets: &self.facets,
             trace: &self.trace,
@@ -356,7 +244,7 @@ impl Cutter {
         };
         let done = (self.exact).cut(surface, at, params, separator, outcome_mut);
         // A cut that is taken back counts as an edit.
-        self.version = SurfaceVersion::new(surface);
+        self.set_topology(surface.fingerprint());
         if !done? {
             return Ok(None);
         }
@@ -365,7 +253,7 @@ impl Cutter {
             self.has_walls |= outcome.report.slits > 0;
             if self.defers_bvh {
                 // The old version: a cut before `update_bvh` then fails.
-                self.version.topology = topology;
+                self.set_topology(topology);
             } else {
                 let begin = Instant::now();
                 self.update_bvh(surface, &outcome.delta);
@@ -381,7 +269,7 @@ impl Cutter {
     /// cut. The sweep may end inside the body.
     ///
     /// # Errors
-    /// [`CutError`] as of [`Self::cut`], for the BVH, the sweep and coordinates.
+    /// [`CutError`] as of [`Self::cut`], for the surface, the sweep and coordinates.
     pub fn intersect(
         &mut self,
         surface: &Surface,
@@ -412,18 +300,22 @@ impl Cutter {
         only_piece: Option<u32>,
         tip: &ContinuedTip,
     ) -> Result<(), CutError> {
-        self.check_bvh(surface)?;
+        let uses_bvh = self.is_fitted(surface) && !tip.is_in_rest_shape();
+        let largest = self.check_surface(surface, uses_bvh)?;
         self.candidates.clear();
-        if tip.is_in_rest_shape() {
-            (self.scan).query(surface, &sweep.bounds(), &mut self.candidates);
-        } else {
+        if uses_bvh {
             (self.bvh).query(surface, sweep.triangles(), &mut self.candidates);
+            let corners: SmallVec<[[Vec3; 3]; 2]> = sweep.triangles().collect();
+            // Displacements depend on the candidates, which must not depend on the BVH.
+            BoxScan::retain_hull(surface, corners.as_flattened(), &mut self.candidates);
+        } else {
+            (self.scan).query_triangles(surface, sweep.triangles(), &mut self.candidates);
         }
         if let Some(piece) = only_piece {
             self.candidates.retain(|&t| surface.piece(t) == piece);
         }
         if !self.candidates.is_empty() {
-            self.check_sweep_size(sweep)?;
+            Self::check_sweep_size(sweep, largest)?;
         }
         self.facets.read(sweep, tip);
         (self.trace).find(surface, &self.facets, &mut self.candidates)

@@ -51,8 +51,8 @@ pub enum CutError {
         /// The vertex.
         vertex: VertexId,
     },
-    /// Vertices have moved since the BVH was fitted.
-    #[error("vertices have moved since the BVH was fitted; call Cutter::refit before Cutter::cut")]
+    /// The BVH misses a triangle: a call of `Cutter::refit_moved` did not have all that moved.
+    #[error("the BVH misses a triangle that has moved; call Cutter::refit instead of refit_moved")]
     StaleBvh,
     /// The surface was edited by something else than the cutter, or it is another one.
     #[error(

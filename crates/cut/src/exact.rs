@@ -105,6 +105,7 @@ pub(crate) struct Exact {
     snapper: Snapper,
     remesher: Remesher,
     frames: Frames,
+    column: volumes::Column,
     lengths: Vec<f64>,
     chains: Chains,
     cap: Cap,
@@ -209,7 +210,7 @@ impl Exact {
         self.snapper.find_shared(surface, shape, &trace.nodes);
         let parts = if params.snap > 0.0 || params.remesh > 0.0 {
             let may_move = |curve: &Curve| params.remesh > 0.0 || self.snapper.may_snap(curve);
-            volumes::smaller_parts(surface, &at, &self.frames, may_move)
+            volumes::smaller_parts(surface, &at, &self.frames, &mut self.column, may_move)
         } else {
             Vec::new()
         };

@@ -18,8 +18,8 @@ use trace::Trace;
 /// A sweep and its intersection curves with a surface.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Intersection<'a> {
-    /// Fits the surface before the cut.
-    pub(crate) bvh: &'a Bvh,
+    /// The BVH of the surface before the cut, if it fits.
+    pub(crate) bvh: Option<&'a Bvh>,
     pub(crate) sweep: &'a Sweep,
     pub(crate) facets: &'a Facets,
     pub(crate) trace: &'a Trace,

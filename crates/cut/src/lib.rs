@@ -11,6 +11,7 @@ mod incision;
 mod intersection;
 mod outcome;
 mod params;
+mod search;
 mod separate;
 mod sizing;
 mod stroke;

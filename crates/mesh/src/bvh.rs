@@ -41,7 +41,9 @@ pub use cast::RayHit;
 pub(crate) use morton::sort_along_curve;
 pub use motion_bounds::MotionBounds;
 pub use nearest::NearestPoint;
+pub(crate) use query::Slab;
 pub use reach::MovingPoint;
+pub use refit::SurfaceEdits;
 pub use validate::InvalidBvh;
 
 use crate::{Aabb, Surface, TriangleId, VertexId};
@@ -255,7 +257,7 @@ impl Bvh {
 }
 
 /// Returns the bounding box of a triangle.
-fn triangle_bounds(surface: &Surface, corners: [VertexId; 3]) -> Aabb {
+pub(crate) fn triangle_bounds(surface: &Surface, corners: [VertexId; 3]) -> Aabb {
     vertex_bounds(surface, &corners)
 }
 

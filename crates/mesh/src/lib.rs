@@ -27,7 +27,7 @@ mod surface;
 mod topology;
 
 pub use box_scan::BoxScan;
-pub use bvh::{Bvh, InvalidBvh, MotionBounds, MovingPoint, NearestPoint, RayHit};
+pub use bvh::{Bvh, InvalidBvh, MotionBounds, MovingPoint, NearestPoint, RayHit, SurfaceEdits};
 #[cfg(feature = "io")]
 pub use check::{Defect, MeshReport, NotCuttable, RepairParams, RepairedCounts, check, check_with};
 pub use delta::{AddedVertex, TopologyDelta, VertexOrigin};

@@ -190,6 +190,11 @@ impl Topology {
         [self.origin[i], self.origin[i + 1], self.origin[i + 2]]
     }
 
+    /// Returns the vertices of all triangles, null in free slots.
+    pub(crate) fn all_corners(&self) -> &[[VertexId; 3]] {
+        self.origin.as_chunks().0
+    }
+
     /// Iterates over the triangles, in slot order.
     pub fn triangles(&self) -> impl Iterator<Item = TriangleId> + '_ {
         (0..self.triangle_slots())

@@ -201,6 +201,15 @@ impl Body {
         std::mem::replace(&mut self.stale, false)
     }
 
+    /// Prepares a cut and the search for interior springs after it; returns whether the BVH was
+    /// refitted.
+    ///
+    /// The cut of a body that has moved needs no BVH, unless another query follows (`is_queried`).
+    pub(crate) fn prepare_cut(&mut self, is_queried: bool) -> bool {
+        let needs_bvh = is_queried || InteriorSpringSearch::needs_bvh(&self.solver);
+        (needs_bvh || !self.stale) && self.refit()
+    }
+
     /// Measures the shapes of the pieces if the topology has changed.
     pub(crate) fn measure_pieces(&mut self) {
         self.piece_shapes.update(&self.surface);
@@ -238,7 +247,7 @@ impl Body {
     /// Cuts along the sweep of a blade on at most `threads` threads, and updates BVH, constraints
     /// and masses.
     ///
-    /// The BVH must be refitted.
+    /// The cut must be prepared.
     pub(crate) fn cut(
         &mut self,
         number: usize,
@@ -297,7 +306,11 @@ impl Body {
         if let Ok(outcome) = &cut
             && !outcome.is_miss()
         {
-            self.store_tight_bounds();
+            if self.stale {
+                self.loose_bounds = None;
+            } else {
+                self.store_tight_bounds();
+            }
             let Self {
                 surface,
                 solver,

@@ -261,7 +261,7 @@ impl Scene {
     ) -> Result<(), SceneError> {
         let threads = self.params.solver.threads;
         let cut = |body: &mut Body| body.cut(id.index, blade, sweep, params, threads);
-        match self.cut_refitted(i, cut)? {
+        match self.cut_prepared(i, self.may_search_contacts(i), cut)? {
             Some(Ok(outcome)) if !outcome.is_miss() => {
                 self.cuts.push(SweepResult {
                     blade: id,
@@ -297,7 +297,7 @@ impl Scene {
         self.read_back(id)?;
         let threads = self.params.solver.threads;
         let cut = |body: &mut Body| body.cut_with(sweep, cut, threads);
-        let result = self.cut_refitted(id.index, cut)?;
+        let result = self.cut_prepared(id.index, true, cut)?;
         let result = result.ok_or(SceneError::UnknownBody { body: id })?;
         match &result {
             Ok(outcome) if !outcome.is_miss() => self.move_to_gpu(id.index)?,
@@ -307,18 +307,33 @@ impl Scene {
         Ok(result)
     }
 
-    /// Refits the BVH of a body, whose CPU copy is up to date, cuts the body, and records counters
-    /// and times. Returns nothing for a removed body.
-    fn cut_refitted<E>(
+    /// Returns whether the search for contacts in this frame is expected to ask the BVH of a body.
+    ///
+    /// A wrong guess costs time alone.
+    fn may_search_contacts(&self, i: usize) -> bool {
+        let body = self.bodies[i].as_ref();
+        self.params.contacts.is_some_and(|params| {
+            self.detection.is_near(i)
+                || !self.blade_faces.is_empty()
+                || body.is_some_and(|body| body.may_collide(&params))
+        })
+    }
+
+    /// Cuts a body, whose CPU copy is up to date, and records counters and times. Returns nothing
+    /// for a removed body.
+    ///
+    /// Refits the BVH first if something else in the frame queries it, too.
+    fn cut_prepared<E>(
         &mut self,
         i: usize,
+        is_queried: bool,
         cut: impl FnOnce(&mut Body) -> Result<BodyCut<E>, SceneError>,
     ) -> Result<Option<Result<CutOutcome, E>>, SceneError> {
         let Some(body) = &mut self.bodies[i] else {
             return Ok(None);
         };
         let begin = Instant::now();
-        self.stats.bvh_refits += u32::from(body.refit());
+        self.stats.bvh_refits += u32::from(body.prepare_cut(is_queried));
         self.stats.narrow_phase_queries += 1;
         self.stats.detection += begin.elapsed();
         let begin = Instant::now();

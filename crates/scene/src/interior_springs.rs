@@ -44,6 +44,11 @@ fn is_chosen(v: VertexId, density: f32) -> bool {
 }
 
 impl InteriorSpringSearch {
+    /// Returns whether the search of a body asks the BVH.
+    pub(crate) fn needs_bvh(solver: &Solver) -> bool {
+        density(solver) > 0.0
+    }
+
     /// Adds a spring to every chosen vertex that has none. The BVH must be refitted.
     pub(crate) fn fill(
         &mut self,
@@ -74,6 +79,7 @@ impl InteriorSpringSearch {
     /// Updates BVH, solver and springs after a cut, see [`follow_cut`].
     ///
     /// Removes severed springs. Adds a spring to each new vertex and to each end of a removed one.
+    /// The BVH must be refitted if [`Self::needs_bvh`].
     pub(crate) fn follow_cut(
         &mut self,
         surface: &mut Surface,

@@ -25,7 +25,7 @@ incise_params::report! {
         aabbs_computed: u32;
         /// BVHs refitted to moved triangles.
         bvh_refits: u32;
-        /// BVHs that needed no refit: no query, or no motion.
+        /// BVHs that needed no refit: no motion, or no query besides cuts.
         bvh_refits_skipped: u32;
         /// Triangles returned by BVH queries of sweeps.
         candidate_triangles: usize;

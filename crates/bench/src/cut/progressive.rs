@@ -1,7 +1,7 @@
 //! `incise-bench cut --progressive`: blades that move on through bodies step by step.
 //!
-//! A step is one mean edge length. It is timed as a frame of a scene does it: refit of the BVH of a
-//! body in motion, [`incise_cut::Cutter::advance`], and the update of the solver's constraints.
+//! A step is one mean edge length. It is timed as a frame of a scene does it, in which nothing else
+//! queries the BVH: [`incise_cut::Cutter::advance`], and the update of the solver's constraints.
 
 mod incised_body;
 mod strokes;

@@ -7,8 +7,9 @@ use crate::intersection::continued_tip::ContinuedTip;
 use crate::intersection::trace::Outside;
 use crate::outcome::CutOutcome;
 use crate::params::CutParams;
+use crate::search::Search;
 use crate::sweep::Sweep;
-use incise_mesh::{Aabb, Bvh, Surface, TriangleId, index_u32};
+use incise_mesh::{Surface, index_u32};
 
 /// Rises of the sweep beside a tip, tried in turn until a step can be cut and starts outside the
 /// body, first up to the ends of the blade and then just beside the tip [local edge lengths].
@@ -107,10 +108,14 @@ impl Cutter {
         blade: &[[f32; 3]],
         params: &CutParams,
     ) -> Result<CutOutcome, CutError> {
-        self.check_bvh(surface)?;
-        let near = |bounds: &Aabb| near(&self.bvh, surface, bounds);
+        let is_fitted = self.is_fitted(surface);
+        self.check_surface(surface, is_fitted)?;
         let sheets = self.sheets(surface);
-        let Some(approach) = incision.begin_step(surface, blade, near, &sheets)? else {
+        let mut scan = std::mem::take(&mut self.scan);
+        let mut search = Search::new(&self.bvh, &mut scan, is_fitted);
+        let begun = incision.begin_step(surface, blade, &mut search, &sheets);
+        self.scan = scan;
+        let Some(approach) = begun? else {
             return Ok(CutOutcome::default());
         };
         let result = self.step_in_shape(surface, incision, &approach, blade, params);
@@ -159,15 +164,10 @@ impl Cutter {
         let is_entry_at_rest = !incision.is_inside() && !approach.map.is_identity();
         let mut first = None;
         for attempt in attempts(incision.is_inside(), is_entry_at_rest) {
-            let near = |bounds: &Aabb| {
-                if approach.map.is_identity() {
-                    return near(&self.bvh, surface, bounds);
-                }
-                let mut found = Vec::new();
-                self.scan.query(surface, bounds, &mut found);
-                found
-            };
-            let stroke = incision.step_sweep(surface, approach, blade, attempt.extent, near)?;
+            let uses_bvh = approach.map.is_identity() && self.is_fitted(surface);
+            let mut search = Search::new(&self.bvh, &mut self.scan, uses_bvh);
+            let extent = attempt.extent;
+            let stroke = incision.step_sweep(surface, approach, blade, extent, &mut search)?;
             let Some(stroke) = stroke else { break };
             let StepSweep { sweep, tip, .. } = &stroke;
             let outside = Outside {
@@ -250,11 +250,4 @@ fn is_retried(error: &CutError, tip: &ContinuedTip) -> bool {
         CutError::PartialCut { .. } => !tip.parts.is_empty(),
         _ => false,
     }
-}
-
-/// Returns the triangles whose bounding boxes touch a box.
-fn near(bvh: &Bvh, surface: &Surface, bounds: &Aabb) -> Vec<TriangleId> {
-    let mut found = Vec::new();
-    bvh.traverse(surface, |b| b.overlaps(bounds), &mut found);
-    found
 }

@@ -8,7 +8,7 @@ use super::frames::Frames;
 use crate::intersection::Intersection;
 use crate::intersection::node::On;
 use crate::intersection::trace::Curve;
-use incise_mesh::Surface;
+use incise_mesh::{BoxScan, Bvh, Surface, TriangleId, Vec3};
 
 /// Number of lines across a curve.
 ///
@@ -43,6 +43,42 @@ struct Crossing {
     curve: usize,
 }
 
+/// The rays along both directions of a normal from a point of the section.
+#[derive(Debug, Clone, Copy)]
+struct Ray {
+    point: Vec3,
+    normal: Vec3,
+    curve: usize,
+    /// Area of the section around the point \[m^2\].
+    area: f64,
+}
+
+/// The triangles that rays may hit, for a surface without a BVH that fits. Kept for its memory.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Column {
+    scan: BoxScan,
+    triangles: Vec<TriangleId>,
+    bvh: Bvh,
+}
+
+impl Column {
+    /// Returns a BVH of all triangles that the rays may hit. O(n + k log k) for k triangles.
+    fn around(&mut self, surface: &Surface, rays: &[Ray]) -> &Bvh {
+        let largest = f64::from(surface.largest_coordinate());
+        let ends = rays.iter().flat_map(|ray| {
+            // No point of the surface is farther away.
+            let reach = ray.normal * (ray.point.norm() + 3.0_f64.sqrt() * largest);
+            [ray.point - reach, ray.point + reach]
+        });
+        let ends: Vec<Vec3> = ends.collect();
+        self.triangles.clear();
+        (self.scan).query_hull(surface, &ends, &mut self.triangles);
+        let triangles = self.triangles.iter().copied();
+        self.bvh.rebuild_with(surface, triangles);
+        &self.bvh
+    }
+}
+
 /// The smaller one of the parts below and above a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SmallerPart {
@@ -60,6 +96,7 @@ pub(super) fn smaller_parts(
     surface: &Surface,
     at: &Intersection<'_>,
     frames: &Frames,
+    column: &mut Column,
     is_measured: impl Fn(&Curve) -> bool,
 ) -> Vec<SmallerPart> {
     let is_measured: Vec<bool> = at.trace.curves.iter().map(is_measured).collect();
@@ -70,7 +107,7 @@ pub(super) fn smaller_parts(
     let lines = lines(at, frames, measured);
     let crossings = crossings(at, frames, &bodies, &lines);
     let mut areas = vec![0.0; at.trace.curves.len()];
-    let mut volumes = vec![[0.0; 2]; at.trace.curves.len()];
+    let mut rays = Vec::new();
     for own in crossings.chunk_by(|a, b| a.line == b.line) {
         let line = lines[own[0].line];
         let offset = (own[0].line as f64 * STAGGER).fract();
@@ -89,11 +126,24 @@ pub(super) fn smaller_parts(
                     continue;
                 };
                 areas[line.curve] += area;
-                for (side, direction) in [-normal, normal].into_iter().enumerate() {
-                    let hit = at.bvh.cast(surface, point, direction, |_| true);
-                    volumes[line.curve][side] += area * hit.map_or(0.0, |hit| hit.distance);
-                }
+                rays.push(Ray {
+                    point,
+                    normal,
+                    curve: line.curve,
+                    area,
+                });
             }
+        }
+    }
+    let mut volumes = vec![[0.0; 2]; at.trace.curves.len()];
+    let bvh = match at.bvh {
+        Some(bvh) => bvh,
+        None => column.around(surface, &rays),
+    };
+    for ray in rays {
+        for (side, direction) in [-ray.normal, ray.normal].into_iter().enumerate() {
+            let hit = bvh.cast(surface, ray.point, direction, |_| true);
+            volumes[ray.curve][side] += ray.area * hit.map_or(0.0, |hit| hit.distance);
         }
     }
     let mut parts = Vec::with_capacity(volumes.len());

@@ -10,6 +10,7 @@ use super::{Incision, IncisionState, PATH_WIDTH, TipPoint};
 use crate::blade_position::is_in_body;
 use crate::error::CutError;
 use crate::exact::MAX_OFFSET;
+use crate::search::Search;
 use incise_mesh::geometry::{to_f32, to_f64};
 use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
 
@@ -37,8 +38,7 @@ impl Incision {
     ///
     /// None for the first pose, for a motion that is too small or along the edge alone, for one
     /// back along the path, for a blade that has left beside it, and for a step that was just
-    /// refused, and in folds of the skin only. `near` finds the triangles in a box, `sheets` are the
-    /// pieces without an inside.
+    /// refused, and in folds of the skin only. `sheets` are the pieces without an inside.
     ///
     /// # Errors
     /// [`CutError::PolylineLength`] and [`CutError::SweepNotFinite`].
@@ -46,7 +46,7 @@ impl Incision {
         &mut self,
         surface: &Surface,
         blade: &[[f32; 3]],
-        near: impl FnOnce(&Aabb) -> Vec<TriangleId>,
+        search: &mut Search<'_>,
         sheets: &[bool],
     ) -> Result<Option<Approach>, CutError> {
         check_blade(blade)?;
@@ -56,9 +56,10 @@ impl Incision {
         }
         self.check_tip(surface);
         if !self.is_inside() {
-            return Ok(self.begin_entry(surface, blade, near, sheets));
+            return Ok(self.begin_entry(surface, blade, search, sheets));
         }
-        let near = near(&Aabb::around(blade.iter().copied()));
+        let line: Vec<Vec3> = blade.iter().map(|&p| to_f64(p)).collect();
+        let near = search.along(surface, &line);
         let piercings = piercings(blade, surface, &near);
         let starts_inside = starts_inside(surface, blade, &piercings, sheets);
         let is_outside = piercings.is_empty() && !starts_inside;
@@ -120,7 +121,7 @@ impl Incision {
         &mut self,
         surface: &Surface,
         blade: &[[f32; 3]],
-        near: impl FnOnce(&Aabb) -> Vec<TriangleId>,
+        search: &mut Search<'_>,
         sheets: &[bool],
     ) -> Option<Approach> {
         self.see(blade);
@@ -131,9 +132,7 @@ impl Incision {
             }
             self.leave();
         }
-        let mut near = near(&Aabb::around(blade.iter().copied()));
-        // The order depends on the BVH, and sums of lengths must not.
-        near.sort_unstable();
+        let near = search.in_box(surface, &Aabb::around(blade.iter().copied()));
         if self.slide_pose(surface, blade, &near) {
             return None;
         }

@@ -9,8 +9,9 @@ use super::approach::Approach;
 use super::columns::{Column, Extent, MAX_WIDENING, Poses, WIDENING};
 use super::piercings::{Piercing, is_pierced};
 use super::step_sweep::REACHES;
-use incise_mesh::geometry::{area_vector, to_f32};
-use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
+use crate::search::Search;
+use incise_mesh::geometry::area_vector;
+use incise_mesh::{Surface, Vec3};
 
 /// Points beside the body at which the line of a blade bends in the rest shape.
 #[derive(Debug, Clone, Default)]
@@ -69,14 +70,14 @@ impl Incision {
     /// Returns the columns of a step into a deformed body.
     ///
     /// The previous edge is displaced out of the body and back, until it pierces the surface
-    /// nowhere, or not at all if it always does. `near` finds the triangles in a box.
+    /// nowhere, or not at all if it always does.
     pub(super) fn entry_columns(
         &self,
         surface: &Surface,
         approach: &Approach,
         blade: &[[f32; 3]],
         extent: Extent,
-        mut near: impl FnMut(&Aabb) -> Vec<TriangleId>,
+        search: &mut Search<'_>,
     ) -> Vec<Column> {
         let poses = Poses {
             map: &approach.map,
@@ -100,7 +101,7 @@ impl Incision {
         });
         let free = displaced.into_iter().find(|columns| {
             let points: Vec<Vec3> = columns.iter().map(|column| column.previous).collect();
-            let near = near(&Aabb::around(points.iter().map(|&p| to_f32(p))));
+            let near = search.along(surface, &points);
             !is_pierced(&points, surface, &near)
         });
         free.unwrap_or(columns)

@@ -11,6 +11,9 @@ use nalgebra::Matrix3;
 /// Rounding error of stored coordinates [of the largest coordinate].
 const ROUNDING: f32 = 8.0 * f32::EPSILON;
 
+/// Number of vertices that are compared at once, in a few kilobytes.
+const BLOCK: usize = 64;
+
 /// The map of a blade from the present shape of a body to its rest shape, near a tip.
 ///
 /// Walls of an incision coincide at rest, and the body overlaps itself nowhere. So a cut that goes
@@ -236,8 +239,15 @@ fn inverse_gradient(surface: &Surface, vertices: &[VertexId]) -> Matrix3<f64> {
 /// Returns whether all positions are rest positions, up to rounding.
 pub(super) fn is_at_rest(surface: &Surface) -> bool {
     let rest = surface.rest_positions();
-    let largest = rest.iter().flatten().fold(0.0, |m, x| x.abs().max(m));
-    let tolerance = ROUNDING * largest;
-    let mut all = surface.positions().iter().zip(rest);
-    all.all(|(p, r)| (0..3).all(|k| (p[k] - r[k]).abs() <= tolerance))
+    // Integers, which keep the order, take the largest several at a time.
+    let bits = rest.as_flattened().iter().map(|x| x.abs().to_bits());
+    let tolerance = ROUNDING * f32::from_bits(bits.fold(0, u32::max));
+    let is_near = |p: &[f32; 4], r: &[f32; 3]| {
+        (0..3).fold(true, |all, k| all & ((p[k] - r[k]).abs() <= tolerance))
+    };
+    let mut blocks = (surface.positions().chunks(BLOCK)).zip(rest.chunks(BLOCK));
+    blocks.all(|(positions, rest)| {
+        let pairs = positions.iter().zip(rest);
+        pairs.fold(true, |all, (p, r)| all & is_near(p, r))
+    })
 }

@@ -2,6 +2,7 @@
 
 use super::line::point_at;
 use super::map::gradient_at;
+use crate::search::touches;
 use incise_mesh::geometry::{area_vector, to_f32, to_f64};
 use incise_mesh::{Aabb, Surface, TriangleId, Vec3};
 
@@ -137,23 +138,4 @@ pub(super) fn is_pierced(line: &[Vec3], surface: &Surface, near: &[TriangleId]) 
         let mut corners = near.iter().map(|&t| surface.triangle_positions(t));
         corners.any(|corners| pierced_at(corners, ends[0], ends[1]).is_some())
     })
-}
-
-/// Returns whether the line from `p` to `q` may touch a box, up to rounding.
-fn touches(bounds: &Aabb, p: Vec3, q: Vec3) -> bool {
-    let (mut first, mut last) = (0.0, 1.0);
-    for k in 0..3 {
-        let [low, high] = [bounds.min[k], bounds.max[k]].map(f64::from);
-        let along = q[k] - p[k];
-        if along == 0.0 {
-            if p[k] < low || p[k] > high {
-                return false;
-            }
-            continue;
-        }
-        let [s, t] = [low, high].map(|bound| (bound - p[k]) / along);
-        first = s.min(t).max(first);
-        last = s.max(t).min(last);
-    }
-    first <= last
 }

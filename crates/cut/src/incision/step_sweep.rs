@@ -5,9 +5,10 @@ use super::line::point_at;
 use super::{Approach, Incision};
 use crate::error::CutError;
 use crate::intersection::continued_tip::{ContinuedTip, TipPart};
+use crate::search::Search;
 use crate::sweep::Sweep;
 use incise_mesh::geometry::to_f32;
-use incise_mesh::{Aabb, HalfEdge, Surface, TriangleId, Vec3, VertexId, index_u32};
+use incise_mesh::{HalfEdge, Surface, Vec3, VertexId, index_u32};
 
 /// Displacements of the front ahead of a blade that has left the body, and back from one that
 /// enters, tried in turn until the sweep ends, or begins, outside as well [local edge lengths].
@@ -29,7 +30,7 @@ pub(crate) struct StepSweep {
 impl Incision {
     /// Returns the sweep from the tip, or from the last pose, to a new pose.
     ///
-    /// None for a motion along the blade's edge. `near` finds the triangles in a box.
+    /// None for a motion along the blade's edge.
     ///
     /// # Errors
     /// As [`Sweep::strip`].
@@ -39,10 +40,10 @@ impl Incision {
         approach: &Approach,
         blade: &[[f32; 3]],
         extent: Extent,
-        near: impl FnMut(&Aabb) -> Vec<TriangleId>,
+        search: &mut Search<'_>,
     ) -> Result<Option<StepSweep>, CutError> {
         let map = &approach.map;
-        let columns = self.front(surface, approach, blade, extent, near);
+        let columns = self.front(surface, approach, blade, extent, search);
         let points = |of: fn(&Column) -> Vec3| -> Vec<[f32; 3]> {
             columns.iter().map(|column| to_f32(of(column))).collect()
         };
@@ -95,7 +96,7 @@ impl Incision {
         approach: &Approach,
         blade: &[[f32; 3]],
         extent: Extent,
-        mut near: impl FnMut(&Aabb) -> Vec<TriangleId>,
+        search: &mut Search<'_>,
     ) -> Vec<Column> {
         let closing = approach.closing.as_ref();
         let reaches = if approach.leaves {
@@ -104,7 +105,7 @@ impl Incision {
             &REACHES[..1]
         };
         if !self.is_inside() && !approach.map.is_identity() {
-            return self.entry_columns(surface, approach, blade, extent, near);
+            return self.entry_columns(surface, approach, blade, extent, search);
         }
         let mut first = Vec::new();
         for reach in reaches {
@@ -123,10 +124,13 @@ impl Incision {
             if !self.is_inside() || closing.is_some() {
                 return columns;
             }
-            let points = columns.iter().map(|column| to_f32(column.current));
-            let near = near(&Aabb::around(points));
+            let near = search.along(surface, &line(&columns));
             spread(&mut columns, surface, &near, &poses);
-            if !approach.leaves || !columns::is_inside(&columns, surface, &near) {
+            if !approach.leaves {
+                return columns;
+            }
+            let near = search.along(surface, &line(&columns));
+            if !columns::is_inside(&columns, surface, &near) {
                 return columns;
             }
             if first.is_empty() {
@@ -135,6 +139,11 @@ impl Incision {
         }
         first
     }
+}
+
+/// Returns the front of some columns.
+fn line(columns: &[Column]) -> Vec<Vec3> {
+    columns.iter().map(|column| column.current).collect()
 }
 
 /// Returns whether the first and the last of some columns are beside the tip, or for a blade

@@ -160,7 +160,7 @@ namespace Incise
         public const string AabbsComputed = "aabbs_computed";
         /// <summary>BVHs refitted to moved triangles.</summary>
         public const string BvhRefits = "bvh_refits";
-        /// <summary>BVHs that needed no refit: no query, or no motion.</summary>
+        /// <summary>BVHs that needed no refit: no motion, or no query besides cuts.</summary>
         public const string BvhRefitsSkipped = "bvh_refits_skipped";
         /// <summary>Triangles returned by BVH queries of sweeps.</summary>
         public const string CandidateTriangles = "candidate_triangles";

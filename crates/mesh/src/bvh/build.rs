@@ -17,6 +17,18 @@ impl Bvh {
 
     /// Rebuilds the BVH in its own memory. O(n log n).
     pub fn rebuild(&mut self, surface: &Surface) {
+        self.rebuild_with(surface, surface.topology().triangles());
+    }
+
+    /// Rebuilds the BVH, with some triangles of `surface` only. O(k log k) for k of them, and one
+    /// pass over the slots of all.
+    ///
+    /// No other one is found by queries. It cannot be updated after an edit.
+    pub fn rebuild_with(
+        &mut self,
+        surface: &Surface,
+        triangles: impl IntoIterator<Item = TriangleId>,
+    ) {
         self.has_nonfinite = false;
         self.nodes.clear();
         self.samples.clear();
@@ -30,7 +42,7 @@ impl Bvh {
             .resize(surface.topology().triangle_slots(), NONE);
         let mut sorted = std::mem::take(&mut self.scratch.sorted);
         sorted.clear();
-        sorted.extend(surface.topology().triangles());
+        sorted.extend(triangles);
         if !sorted.is_empty() {
             self.scratch.curve.sort(surface, &mut sorted);
             // The root's pair comes first.

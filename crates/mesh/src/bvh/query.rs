@@ -122,7 +122,7 @@ impl Bvh {
 }
 
 /// A query triangle as a bounding box and a plane.
-struct Slab {
+pub(crate) struct Slab {
     /// Empty if the triangle has no area.
     bounds: Aabb,
     point: Vec3,
@@ -132,7 +132,7 @@ struct Slab {
 }
 
 impl Slab {
-    fn new(corners: [Vec3; 3]) -> Self {
+    pub(crate) fn new(corners: [Vec3; 3]) -> Self {
         let [a, b, c] = corners;
         let bounds = if has_area(corners) {
             Aabb::around(corners.map(to_f32))
@@ -153,7 +153,7 @@ impl Slab {
     }
 
     /// Returns false only if the box is certainly off the triangle; the slack exceeds f64 rounding.
-    fn may_touch(&self, bounds: &Aabb) -> bool {
+    pub(crate) fn may_touch(&self, bounds: &Aabb) -> bool {
         if !self.bounds.overlaps(bounds) {
             return false;
         }

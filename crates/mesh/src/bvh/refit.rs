@@ -1,7 +1,26 @@
 //! Refits boxes to moved triangles.
 
 use super::{Bvh, union};
-use crate::{Aabb, Surface, TriangleId};
+use crate::{Aabb, Surface, TopologyDelta, TriangleId};
+
+/// Edits of a surface that a BVH has not followed.
+#[derive(Debug, Clone, Default)]
+pub struct SurfaceEdits {
+    /// Triangles that an edit has removed or added, in the order of the edits.
+    triangles: Vec<TriangleId>,
+    /// See [`TopologyDelta::pieces_added`].
+    pieces: Vec<(u32, u32)>,
+}
+
+impl SurfaceEdits {
+    /// Appends an edit. O(k) for k triangles.
+    pub fn push(&mut self, delta: &TopologyDelta) {
+        let removed = delta.triangles_removed.iter().map(|&(t, _)| t);
+        self.triangles.extend(removed);
+        self.triangles.extend_from_slice(&delta.triangles_added);
+        self.pieces.extend_from_slice(&delta.pieces_added);
+    }
+}
 
 impl Bvh {
     /// Refits all boxes to the current positions, and joins pieces by place. O(n).
@@ -16,6 +35,36 @@ impl Bvh {
             }
             None => {}
         }
+    }
+
+    /// Refits all boxes after edits that the BVH has not followed. O(n + k log k) for k triangles.
+    ///
+    /// `edits` has all triangles that the edits removed and added, in any order and more than once
+    /// for a slot that was reused, and the pieces that they split.
+    pub fn refit_edited(&mut self, surface: &Surface, edits: &SurfaceEdits) {
+        let mut touched = edits.triangles.clone();
+        touched.sort_unstable();
+        touched.dedup();
+        if self.nodes.is_empty() || 2 * touched.len() > surface.topology().triangle_count() {
+            self.rebuild(surface);
+            return;
+        }
+        let mut blocks = Vec::new();
+        for &t in &touched {
+            if let Some(leaf) = self.leaf_of(t) {
+                blocks.push(self.nodes[leaf as usize].index);
+                self.remove(t);
+            }
+        }
+        self.refit(surface);
+        for block in blocks {
+            // Fewer, if the refit has built the tree again.
+            if let Some(&leaf) = self.leaves.get(block as usize) {
+                self.touch(leaf);
+            }
+        }
+        touched.retain(|&t| surface.topology().is_triangle(t));
+        self.follow(surface, &touched, &edits.pieces);
     }
 
     /// Refits the boxes of `triangles` and of their ancestors. O(m log n) for m triangles.

@@ -73,18 +73,28 @@ impl Bvh {
             self.rebuild(surface);
             return;
         }
-        let mut scratch = std::mem::take(&mut self.scratch);
         for &(t, _) in &delta.triangles_removed {
             self.remove(t);
         }
+        self.follow(surface, &delta.triangles_added, &delta.pieces_added);
+    }
+
+    /// Adds triangles, in ascending order, and removes touched nodes.
+    pub(super) fn follow(
+        &mut self,
+        surface: &Surface,
+        added: &[TriangleId],
+        pieces_added: &[(u32, u32)],
+    ) {
+        let mut scratch = std::mem::take(&mut self.scratch);
         self.places
             .resize(surface.topology().triangle_slots(), NONE);
-        self.find_homes(surface, &delta.triangles_added, &mut scratch);
-        self.find_batches(surface, &delta.triangles_added, &mut scratch);
+        self.find_homes(surface, added, &mut scratch);
+        self.find_batches(surface, added, &mut scratch);
         let perfect = surface.topology().triangle_count().ilog2();
         let room = u8::try_from(perfect).map_or(u8::MAX, |levels| levels + SLACK);
         scratch.split.clear();
-        let split = delta.pieces_added.iter();
+        let split = pieces_added.iter();
         (scratch.split).extend(split.flat_map(|&(new, parent)| [new, parent]));
         scratch.split.sort_unstable();
         self.take_apart(surface, room - SLACK / 2, &mut scratch);
@@ -104,7 +114,7 @@ impl Bvh {
     }
 
     /// Removes a triangle from its leaf; the last triangle of the leaf takes its place.
-    fn remove(&mut self, t: TriangleId) {
+    pub(super) fn remove(&mut self, t: TriangleId) {
         let Some(leaf) = self.leaf_of(t) else { return };
         self.touch(leaf);
         let place = std::mem::replace(&mut self.places[t.index()], NONE);

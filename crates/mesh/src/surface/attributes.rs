@@ -66,6 +66,18 @@ impl Surface {
         &mut self.positions
     }
 
+    /// Returns the largest coordinate without its sign \[m\], NaN or infinite if one is. O(n).
+    ///
+    /// Vertex slots that are not in use count, too.
+    #[must_use]
+    pub fn largest_coordinate(&self) -> f32 {
+        // As integers, without signs, NaN exceeds infinity, which exceeds all others.
+        let bits = self.positions.iter().fold([0; 3], |largest, p| {
+            [0, 1, 2].map(|k| p[k].abs().to_bits().max(largest[k]))
+        });
+        f32::from_bits(bits.into_iter().fold(0, u32::max))
+    }
+
     /// Returns a number that differs after each access to positions for writing. O(1).
     ///
     /// Equal numbers of a surface and its clone mean equal positions, except for edits, which

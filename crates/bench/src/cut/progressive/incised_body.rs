@@ -23,6 +23,7 @@ pub(super) struct IncisedBody {
     solver: Solver,
     incision: Incision,
     pose: [[f32; 3]; 2],
+    /// Whether it has moved since the BVH was fitted.
     has_moved: bool,
     /// Angle by which the body has turned about the vertical axis \[rad\].
     pub(super) angle: f64,
@@ -69,9 +70,7 @@ impl IncisedBody {
     ) -> Result<Result<Option<Step>, CutError>, Box<dyn Error>> {
         self.pose = *pose;
         let begin = Instant::now();
-        if std::mem::take(&mut self.has_moved) {
-            self.cutter.refit(&self.surface);
-        } else {
+        if !self.has_moved {
             // The solver has changed inverse masses, which share an array with positions.
             self.cutter.refit_moved(&self.surface, &[]);
         }
