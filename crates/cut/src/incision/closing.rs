@@ -2,7 +2,7 @@
 
 use super::columns::Column;
 use super::lead::{Lead, MIN_MOTION};
-use super::line::{offset, part_along};
+use super::line::offset;
 use super::map::BladeMap;
 use super::{Incision, MIN_STEP, TipPoint};
 use incise_mesh::geometry::{to_f32, to_f64};
@@ -52,28 +52,33 @@ impl Incision {
         let line: Vec<[f32; 3]> = line.into_iter().map(|(_, point)| to_f32(point)).collect();
         let motion = leads.iter().map(|lead| lead.distance).fold(1.0, f64::max);
         let reach = motion * self.local;
-        let off = |i: usize| distance(way, place(border[i]));
+        let passing = |v: VertexId| {
+            let p = place(v);
+            Passing::from_offsets([&tip, &line].map(|line| offset(line, p)))
+        };
+        // Where the blade's end is as the blade passes the surface.
+        let end = way[0].lerp(&way[1], common_part(&[passing(border[0])]));
+        let off = |i: usize| (place(border[i]) - end).norm();
         let mut level = level(border.len(), reach, off)?;
         // An edge of the border to the tip is opened with it.
         if level + 2 == border.len() {
             level += 1;
         }
-        let passings = border[..=level].iter().map(|&v| {
-            let p = place(v);
-            let passing = Passing::from_offsets([&tip, &line].map(|line| offset(line, p)));
-            (passing.distance <= reach).then_some(passing)
-        });
-        let passings = passings.collect::<Option<Vec<Passing>>>()?;
-        let own = &passings[..level];
+        let own: Vec<Passing> = border[..level].iter().map(|&v| passing(v)).collect();
+        let turn = self.path.last_way(surface, usize::from(first_is_inner));
+        let turn = turn.map_or(0.0, |way| way.angle(&own[0].way));
+        let part = common_part(&own);
         let ahead: Vec3 = leads.iter().map(|lead| lead.ahead).sum();
         let ahead = ahead.try_normalize(0.0)?;
         let progress = |passing: &Passing| passing.from_tip.dot(&ahead);
-        let is_near = |passing: &Passing| passing.distance <= MIN_STEP * self.local;
+        // An arc that turns by some angle is an eighth of it times its chord high.
+        let excess = |p: &Passing| (p.distance(part) - p.way.norm() * turn / 8.0).max(0.0);
+        let squares: f64 = own.iter().map(|passing| excess(passing).powi(2)).sum();
+        let is_near = squares <= own.len() as f64 * (MIN_STEP * self.local).powi(2);
         let is_noticeable = |passing: &Passing| progress(passing) >= MIN_MOTION * self.local;
-        let closes = own.iter().any(is_near)
+        let closes = is_near
             && own.iter().any(is_noticeable)
             && own.iter().all(|passing| progress(passing) > 0.0);
-        let part = (passings[0].part + passings[level].part) / 2.0;
         closes.then(|| Closing {
             border: border[..=level].to_vec(),
             blade: between(&self.pose, blade, part),
@@ -95,21 +100,37 @@ fn level(count: usize, reach: f64, distance: impl Fn(usize) -> f64) -> Option<us
 struct Passing {
     /// The vector to it from the tip \[m\].
     from_tip: Vec3,
-    /// The part of the blade's motion after which it is nearest, and its distance then \[m\].
-    part: f64,
-    distance: f64,
+    /// The motion of the blade beside it \[m\].
+    way: Vec3,
 }
 
 impl Passing {
     /// Makes the passing of a point, given the vectors from it to the tip and to the blade.
     fn from_offsets([to_tip, to_blade]: [Vec3; 2]) -> Self {
-        let change = to_blade - to_tip;
-        let part = part_along(change, -to_tip).map_or(0.0, |part| part.clamp(0.0, 1.0));
         Self {
             from_tip: -to_tip,
-            part,
-            distance: (to_tip + change * part).norm(),
+            way: to_blade - to_tip,
         }
+    }
+
+    /// Returns the distance of the blade after a part of its motion \[m\].
+    fn distance(&self, part: f64) -> f64 {
+        (self.way * part - self.from_tip).norm()
+    }
+}
+
+/// Returns the part of the motion after which the blade is nearest to some points, by the sum of
+/// squares.
+///
+/// Points beside a place about which the blade turns hardly count.
+fn common_part(passings: &[Passing]) -> f64 {
+    let ways: f64 = passings.iter().map(|p| p.way.norm_squared()).sum();
+    let progress: f64 = passings.iter().map(|p| p.way.dot(&p.from_tip)).sum();
+    let part = progress / ways;
+    if part.is_nan() {
+        0.0
+    } else {
+        part.clamp(0.0, 1.0)
     }
 }
 
@@ -190,13 +211,6 @@ fn parts(surface: &Surface, line: &[VertexId]) -> Vec<f64> {
     }
     parts.iter_mut().for_each(|part| *part /= sum);
     parts
-}
-
-/// Returns the distance of a point from a segment \[m\].
-fn distance([a, b]: [Vec3; 2], p: Vec3) -> f64 {
-    let along = b - a;
-    let part = part_along(along, p - a).map_or(0.0, |part| part.clamp(0.0, 1.0));
-    (a + along * part - p).norm()
 }
 
 /// Returns the pose between two at a part of the motion \[m\].

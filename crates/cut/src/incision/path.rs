@@ -162,6 +162,11 @@ impl Path {
         found
     }
 
+    /// Returns the way of an end of the tip in the last step \[m\].
+    pub(super) fn last_way(&self, surface: &Surface, k: usize) -> Option<Vec3> {
+        self.segments(surface).next().map(|segment| segment.way(k))
+    }
+
     /// Returns how far behind the tip the last of some lines is, if the last step has crossed the
     /// way before it and each line is there \[m\].
     ///

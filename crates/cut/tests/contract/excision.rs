@@ -156,3 +156,28 @@ proptest! {
         assert_parted(&body, volume);
     }
 }
+/// A blade that closes a circle in 16 steps, of up to three edges each.
+#[test]
+fn a_fast_blade_closes_its_circle() {
+    for (steps, slope) in [(16, 0.5), (16, 0.8), (24, 0.6)] {
+        for (radius, overlap) in [(0.0, 0.1), (0.0, 0.3), (0.15, 0.1), (0.15, 0.02)] {
+            let circle = Circle {
+                middle: [0.0123, 0.2345, -0.0345],
+                radius,
+                slope,
+                drift: 0.0,
+                steps,
+                overlap,
+                is_reversed: false,
+            };
+            let mut body = icosphere(4, 1.0);
+            let volume = body.volume();
+            circle.cut(&mut body, &params(0.1));
+            if radius == 0.0 {
+                assert_parted(&body, volume);
+            } else {
+                assert_eq!(body.piece_count(), 1, "{circle:?}");
+            }
+        }
+    }
+}
