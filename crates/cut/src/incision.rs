@@ -30,6 +30,11 @@ const MIN_STEP: f64 = 0.5;
 /// Minimum ratio of the local edge length of a step to that of the step before.
 const MIN_LOCAL_RATIO: f64 = 0.7;
 
+/// Maximum length by which motion is measured instead of edges [diagonals of the surface].
+///
+/// Steps are half as long, so that a circle across a third of a coarse body takes twenty.
+const MAX_LOCAL: f64 = 0.1;
+
 /// Distance from its path within which the blade moves back in its own slit [local edge lengths].
 const PATH_WIDTH: f64 = 0.25;
 
@@ -60,7 +65,7 @@ pub struct Incision {
     borders: [Vec<VertexId>; 2],
     /// The distance by which the blade has moved back from the tip \[m\].
     back: Option<f64>,
-    /// Edge length of the surface around the tip \[m\].
+    /// Edge length of the surface around the tip, see [`motion_scale`] \[m\].
     local: f64,
     sweep: Option<Sweep>,
     state: IncisionState,
@@ -108,7 +113,7 @@ pub(crate) struct TipPoint {
 /// The data of a step that has cut something.
 pub(crate) struct Step<'a> {
     pub(crate) approach: &'a Approach,
-    /// The largest length of edges along it \[m\].
+    /// The largest length of edges along it, see [`motion_scale`] \[m\].
     pub(crate) local: f64,
     /// See `Exact::borders`.
     pub(crate) borders: [Vec<VertexId>; 2],
@@ -308,6 +313,11 @@ impl Incision {
             joined[i - 1] || (i > 1 && joined[i - 2]) || is_at_boundary(surface, point.vertex)
         });
     }
+}
+
+/// Returns the length by which motion near edges of some length is measured \[m\].
+pub(crate) fn motion_scale(surface: &Surface, edges: f64) -> f64 {
+    edges.min(MAX_LOCAL * surface.bounds().diagonal())
 }
 
 /// Extends the vertices behind an end of the blade by those of a step, up to an end of the tip.

@@ -2,7 +2,7 @@
 
 use super::Cutter;
 use crate::error::CutError;
-use crate::incision::{Approach, Extent, Incision, Step, StepSweep};
+use crate::incision::{Approach, Extent, Incision, Step, StepSweep, motion_scale};
 use crate::intersection::continued_tip::ContinuedTip;
 use crate::intersection::trace::Outside;
 use crate::outcome::CutOutcome;
@@ -188,7 +188,7 @@ impl Cutter {
                         let tip = (self.exact).tip(surface, facets, trace, &stroke.parameters);
                         let copies = |v| self.exact.copies(trace, v);
                         let step = Step {
-                            local: trace.max_local(),
+                            local: motion_scale(surface, trace.max_local()),
                             approach,
                             borders: self.exact.borders(facets, &tip),
                         };

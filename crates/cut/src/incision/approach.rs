@@ -6,7 +6,7 @@ use super::line::{offset, point_at};
 use super::map::{BladeMap, is_at_rest};
 use super::path::come_within;
 use super::piercings::{Piercing, ends_in_body, piercings};
-use super::{Incision, IncisionState, PATH_WIDTH, TipPoint};
+use super::{Incision, IncisionState, PATH_WIDTH, TipPoint, motion_scale};
 use crate::blade_position::is_in_body;
 use crate::error::CutError;
 use crate::exact::MAX_OFFSET;
@@ -160,7 +160,8 @@ impl Incision {
         if near.is_empty() {
             return false;
         }
-        self.local = surface.mean_edge_length_of(near.iter().copied());
+        let edges = surface.mean_edge_length_of(near.iter().copied());
+        self.local = motion_scale(surface, edges);
         let width = MIN_MOTION * self.local;
         let offsets = blade.iter().map(|&p| offset(&self.pose, to_f64(p)));
         let offsets: Vec<Vec3> = offsets.collect();

@@ -1,6 +1,6 @@
 //! Blades that cut out a plug: around a point, or around a cylinder and below it.
 
-use crate::common::{check, params};
+use crate::common::{check, lattice_box, params};
 use incise_cut::{CutParams, Cutter, Incision, IncisionState};
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3, cube_sphere, icosphere};
@@ -178,6 +178,28 @@ fn a_fast_blade_closes_its_circle() {
             } else {
                 assert_eq!(body.piece_count(), 1, "{circle:?}");
             }
+        }
+    }
+}
+
+/// Edges of a cube of twelve triangles are longer than the whole circle.
+#[test]
+fn a_plug_is_cut_out_of_a_cube_of_twelve_triangles() {
+    for (steps, slope) in [(24, 0.6), (40, 0.7), (90, 0.5)] {
+        for is_reversed in [false, true] {
+            let circle = Circle {
+                middle: [0.023, 0.02, -0.045],
+                radius: 0.0,
+                slope,
+                drift: 0.002,
+                steps,
+                overlap: 0.1,
+                is_reversed,
+            };
+            let mut body = lattice_box([1; 3], |p| p.map(|x| 2.0 * x - 1.0));
+            let volume = body.volume();
+            circle.cut(&mut body, &params(0.1));
+            assert_parted(&body, volume);
         }
     }
 }
