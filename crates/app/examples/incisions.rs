@@ -1,17 +1,20 @@
-//! Draws cuts that end inside, opened by pulling at the body: five depths in one ball, a curved
-//! blade, a cross, and slits in cloth.
+//! Draws cuts that end inside. Above, they are opened by pulling at the body: five depths in one
+//! ball, a curved blade, a cross, and slits in cloth. Below are a cut through a body under tension,
+//! a plug, and fifty slits that cross.
 //!
 //! ```sh
 //! cargo run --release -p incise-cli --example incisions -- incisions.png
 //! ```
 
-use incise_cut::{CutParams, Cutter, Sweep};
-use incise_mesh::{Surface, Vec3, VertexId, cube_sphere, sheet};
+use incise_cut::{CutParams, Cutter, Incision, Sweep};
+use incise_mesh::geometry::to_f32;
+use incise_mesh::{Surface, Vec3, VertexId, cube_sphere, icosphere, sheet};
+use incise_models::scenes::Directions;
 use incise_pbd_gpu::{AdapterRequest, Context, InteriorSprings, Material, Stiffness, Volume};
 use incise_render::{
     Background, BodyView, Camera, Color, DrawList, FigureGrid, Offscreen, Renderer, View, Wireframe,
 };
-use incise_scene::{Scene, SceneParams};
+use incise_scene::{BodyId, Scene, SceneParams};
 use std::error::Error;
 use std::path::Path;
 
@@ -36,18 +39,24 @@ fn main() -> Result<(), Box<dyn Error>> {
     let cross: Vec<Sweep> = (cross.iter())
         .map(|edge| downward(edge, 0.1))
         .collect::<Result<_, _>>()?;
+    let fifty = fifty_slits()?;
     let panels = [
         ("(a) five depths", ball(&parallel, bend)?, [14.0, 38.0]),
         ("(b) a curved blade", ball(&[curved], bend)?, [14.0, 38.0]),
         ("(c) a cross", ball(&cross, widen)?, [14.0, 38.0]),
         ("(d) slits in cloth", cloth()?, [17.0, 11.0]),
+        ("(e) a cut under tension", under_tension()?, [14.0, 38.0]),
+        ("(f) a plug, lifted", plug()?, [14.0, 24.0]),
+        ("(g) fifty slits", fifty.clone(), [14.0, 24.0]),
+        ("(h) the same, one half", half(fifty)?, [0.0, 8.0]),
     ];
     let context = Context::open(&AdapterRequest::any(None))?;
     let renderer = Renderer::offscreen(context.device(), context.queue())?;
     let offscreen = Offscreen::new(&renderer, SIDE, SIDE)?;
-    let mut grid = FigureGrid::new([SIDE; 2], 4, 1)?;
+    let mut grid = FigureGrid::new([SIDE; 2], 4, 2)?;
     grid.title(0, "incisions, opened by pulling at the sides");
-    for (column, (label, surface, angles)) in (0..).zip(&panels) {
+    grid.title(1, "incisions step by step");
+    for (number, (label, surface, angles)) in (0..).zip(&panels) {
         let body = BodyView::from_surface(&renderer, surface, |t| {
             let is_wall = surface.material(t) == CutParams::default().cap_material;
             Some(if is_wall { WALL } else { SKIN })
@@ -66,7 +75,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             overlays: &[],
         };
         grid.put(
-            [column, 0],
+            [number % 4, number / 4],
             &offscreen.render(&renderer, &view, &content)?,
             label,
         );
@@ -131,6 +140,79 @@ fn cloth() -> Result<Surface, Box<dyn Error>> {
     pulled(sheet([1.0, 1.0], [24, 24]), &sweeps, &material, apart)
 }
 
+/// Returns a ball that was pulled apart, and cut halfway by a blade while it was.
+fn under_tension() -> Result<Surface, Box<dyn Error>> {
+    let mut scene = Scene::new(SceneParams::default());
+    scene.params.solver.gravity = [0.0; 3];
+    let body = scene.add_body(cube_sphere(16, RADIUS.into()), &Material::soft_body())?;
+    pull(&mut scene, body, |at| {
+        (at.x.abs() > 0.4).then(|| Vec3::new(1.3 * at.x, at.y, at.z))
+    })?;
+    let edge = |y: f32| [[0.01, y, -1.0], [0.01, y, 1.0]];
+    let blade = scene.add_blade(edge(0.7));
+    for frame in 1..=30u8 {
+        scene.move_blade(blade, edge(0.7 - 0.7 * f32::from(frame) / 30.0))?;
+        scene.step()?;
+    }
+    scene.read_back(body)?;
+    Ok(scene.remove_body(body)?.surface().clone())
+}
+
+/// Returns a ball from which a blade has cut a cone, lifted out.
+fn plug() -> Result<Surface, Box<dyn Error>> {
+    let mut ball = cube_sphere(16, RADIUS.into());
+    let pose = |angle: f32, lift: f32| {
+        let (sin, cos) = angle.sin_cos();
+        [lift, lift + 1.0].map(|y| [0.01 + 0.7 * y * cos, 0.05 + y, 0.02 + 0.7 * y * sin])
+    };
+    let steps = |n: u8| (0..=n).map(move |i| f32::from(i) / f32::from(n));
+    let inward = steps(20).map(|part| pose(0.0, 0.7 * (1.0 - part)));
+    let around = steps(48).map(|part| pose(6.4 * part, 0.0));
+    let (mut cutter, mut incision) = (Cutter::new(&ball), Incision::default());
+    for blade in inward.chain(around) {
+        let _ = cutter.advance(&mut ball, &mut incision, &blade, &CutParams::default())?;
+    }
+    let volumes = ball.piece_volumes();
+    let smallest = (0u32..).zip(&volumes).min_by(|a, b| a.1.total_cmp(b.1));
+    let smallest = smallest.map_or(0, |(piece, _)| piece);
+    let own = ball.topology().triangles();
+    let own = own.filter(|&t| ball.piece(t) == smallest);
+    let mut vertices: Vec<VertexId> = own.flat_map(|t| ball.topology().triangle(t)).collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    for v in vertices {
+        ball.positions_mut()[v.index()][1] += 0.3;
+    }
+    Ok(ball)
+}
+
+/// Returns a ball of 320 triangles with fifty slits from its surface to its middle.
+fn fifty_slits() -> Result<Surface, Box<dyn Error>> {
+    let mut ball = icosphere(2, RADIUS.into());
+    let mut random = Directions(3);
+    let mut cutter = Cutter::new(&ball);
+    for _ in 0..50 {
+        let along = random.next_unit();
+        let inward = random.next_unit().cross(&along).normalize();
+        let offset = random.next_unit() * 0.05;
+        let pose = |depth: f64| [-1.0, 1.0].map(|s| to_f32(offset + along * s + inward * depth));
+        let sweep = Sweep::new(pose(-1.0), pose(0.05))?;
+        let _ = cutter.incise(&mut ball, &sweep, &CutParams::default())?;
+    }
+    Ok(ball)
+}
+
+/// Returns the largest part of a ball behind its middle.
+fn half(mut ball: Surface) -> Result<Surface, Box<dyn Error>> {
+    const HEIGHT: f64 = 0.013;
+    let sweep = Sweep::from_plane([0.0, 0.0, 1.0], HEIGHT, &ball.bounds())?;
+    let _ = Cutter::new(&ball).cut(&mut ball, &sweep, &CutParams::default())?;
+    let behind = ball.extract_pieces().map(|(_, piece)| piece);
+    let behind = behind.filter(|piece| f64::from(piece.bounds().max[2]) < HEIGHT + 1e-4);
+    let largest = behind.max_by_key(|piece| piece.topology().triangle_count());
+    largest.ok_or_else(|| "the ball is not cut in two".into())
+}
+
 /// Cuts a surface, moves some of its vertices to their targets, and lets the rest follow.
 fn pulled(
     mut surface: Surface,
@@ -144,14 +226,25 @@ fn pulled(
     }
     let mut scene = Scene::new(SceneParams::default());
     scene.params.solver.gravity = [0.0; 3];
+    let body = scene.add_body(surface, material)?;
+    pull(&mut scene, body, target)?;
+    scene.read_back(body)?;
+    Ok(scene.remove_body(body)?.surface().clone())
+}
+
+/// Moves some vertices of a body to their targets, and lets the rest follow.
+fn pull(
+    scene: &mut Scene,
+    body: BodyId,
+    target: fn(Vec3) -> Option<Vec3>,
+) -> Result<(), Box<dyn Error>> {
+    let (solver, surface) = scene.edit(body)?.solver_mut();
     let pins: Vec<(VertexId, Vec3, Vec3)> = (surface.topology().vertices())
         .filter_map(|v| {
             let at = surface.position(v);
             Some((v, at, target(at)?))
         })
         .collect();
-    let body = scene.add_body(surface, material)?;
-    let (solver, surface) = scene.edit(body)?.solver_mut();
     for &(v, ..) in &pins {
         solver.pin(surface, v)?;
     }
@@ -159,13 +252,11 @@ fn pulled(
     for frame in 1..=moving + resting {
         let part = f64::from(frame.min(moving)) / f64::from(moving);
         for &(v, from, to) in &pins {
-            let at = incise_mesh::geometry::to_f32(from + (to - from) * part);
-            scene.set_pin_target(body, v, at)?;
+            scene.set_pin_target(body, v, to_f32(from + (to - from) * part))?;
         }
         scene.step()?;
     }
-    scene.read_back(body)?;
-    Ok(scene.remove_body(body)?.surface().clone())
+    Ok(())
 }
 
 /// Returns the target of a vertex at the left or right end of the ball: the ends turn down \[m\].
