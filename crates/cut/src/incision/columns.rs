@@ -5,19 +5,15 @@ use super::lead::MIN_MOTION;
 use super::line::point_at;
 use super::map::BladeMap;
 use super::piercings::{is_pierced, pierced_at};
+use super::rise::{max_rise, outward};
 use super::{Incision, TipPoint};
-use incise_mesh::geometry::{area_vector, to_f64};
+use incise_mesh::geometry::to_f64;
 use incise_mesh::{Surface, TriangleId, Vec3, VertexId};
 
 /// Displacement of the sweep beyond the ends of a tip [local edge lengths].
 pub(super) const WIDENING: f64 = 0.3;
 /// Its maximum [distance to the next point of the sweep].
 pub(super) const MAX_WIDENING: f64 = 0.2;
-
-/// Maximum rise of the sweep from an end of a tip [distance to the next point of the sweep].
-///
-/// Below a half, so that points between two parts of a tip keep their order.
-const MAX_RISE: f64 = 0.3;
 
 /// Maximum gap between walls that the tip crosses at one point [local edge lengths].
 const MAX_GAP: f64 = 1e-3;
@@ -166,18 +162,22 @@ impl Incision {
             let before = i.checked_sub(1).map(|i| columns[i]);
             let after = columns.get(i + 1).copied();
             let mut own = column;
+            let moves = column.is_tip() && !column.stands;
+            let is_first = moves && !before.is_some_and(|before| before.goes_on());
+            let is_last = moves && !column.goes_on();
             let mut risen = |beyond: Column| {
                 let [a, b] = [column, beyond].map(|c| c.current);
                 let local = self.local;
                 let part = (WIDENING * local / (b - a).norm()).min(MAX_WIDENING);
                 let step = (beyond.parameter - column.parameter) * part;
-                if column.closes.is_null() {
+                // The tip of a sheet, a single vertex, has both sides.
+                if column.closes.is_null() && is_first != is_last {
                     own = column.moved(column.parameter + step, poses);
                 }
-                let room = MAX_RISE * (beyond.previous - column.previous).norm();
-                let height = extent.rise * local.min(room);
+                let direction = outward(surface, column, a - b, a);
+                let height = extent.rise * local.min(max_rise(column, beyond, direction));
                 let previous = if height > 0.0 {
-                    column.previous + outward(surface, column, a - b, a) * height
+                    column.previous + direction * height
                 } else {
                     poses.previous(column.parameter + step)
                 };
@@ -187,9 +187,6 @@ impl Incision {
                 };
                 risen.moved(column.parameter + 2.0 * step, poses)
             };
-            let moves = column.is_tip() && !column.stands;
-            let is_first = moves && !before.is_some_and(|before| before.goes_on());
-            let is_last = moves && !column.goes_on();
             out.extend(before.filter(|_| is_first).map(&mut risen));
             let risen = after.filter(|_| is_last).map(risen);
             out.push(own);
@@ -302,26 +299,6 @@ fn without_idle(columns: &mut Vec<Column>) {
     let used: Vec<bool> = (0..columns.len()).map(is_used).collect();
     let mut used = used.into_iter();
     columns.retain(|_| used.next().unwrap_or_default());
-}
-
-/// Returns the unit vector half way between the blade and the direction away from the surface at a
-/// column, in the plane of the sweep there.
-///
-/// Straight away from a surface that faces the motion, the sweep would turn back. `along` is the
-/// direction of the blade towards the column, `to` the column's next position \[m\]. A sheet has
-/// two sides: there the vector is on that from which the blade comes.
-fn outward(surface: &Surface, column: Column, along: Vec3, to: Vec3) -> Vec3 {
-    let fan = surface.topology().outgoing_fan(column.vertex);
-    let normals = fan.map(|h| area_vector(surface.triangle_positions(h.triangle())));
-    let normal: Vec3 = normals.sum();
-    let is_reversed = is_at_boundary(surface, column.vertex) && normal.dot(&along) > 0.0;
-    let normal = if is_reversed { -normal } else { normal };
-    let across = along.cross(&(to - column.previous));
-    let across = across.try_normalize(0.0).unwrap_or_default();
-    let in_plane = normal - across * across.dot(&normal);
-    let beyond = in_plane.try_normalize(0.0).unwrap_or_default()
-        - along.try_normalize(0.0).unwrap_or_default();
-    beyond.try_normalize(0.0).unwrap_or_default()
 }
 
 /// Returns whether a vertex is on the boundary of a sheet.

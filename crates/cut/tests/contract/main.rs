@@ -15,6 +15,7 @@ mod layers;
 mod lineage;
 mod mesh_planes;
 mod misuse;
+mod open;
 mod pinched;
 mod progress;
 mod recut;
