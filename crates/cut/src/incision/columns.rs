@@ -2,12 +2,11 @@
 
 use super::closing::Closing;
 use super::lead::MIN_MOTION;
-use super::line::point_at;
+use super::line::{bends, point_at};
 use super::map::BladeMap;
 use super::piercings::{is_pierced, pierced_at};
 use super::rise::{max_rise, outward};
 use super::{Incision, TipPoint};
-use incise_mesh::geometry::to_f64;
 use incise_mesh::{Surface, TriangleId, Vec3, VertexId};
 
 /// Displacement of the sweep beyond the ends of a tip [local edge lengths].
@@ -18,7 +17,8 @@ pub(super) const MAX_WIDENING: f64 = 0.2;
 /// Maximum gap between walls that the tip crosses at one point [local edge lengths].
 const MAX_GAP: f64 = 1e-3;
 
-/// Maximum distance of a point of the blade from the tip that takes its place [local edge lengths].
+/// Maximum distance of a point of the blade from the tip, or from a straight blade without it, that
+/// takes its place [local edge lengths].
 const MAX_TIP_DISTANCE: f64 = 1e-3;
 
 /// Minimum distance of a point of the sweep from the surface, along the blade [local edge lengths].
@@ -134,6 +134,12 @@ impl Poses<'_> {
 }
 
 impl Incision {
+    /// Returns the parameters of the blade's ends and of the points where it bends in its last pose
+    /// or in a new one.
+    pub(super) fn bends(&self, new: &[[f32; 3]]) -> Vec<f64> {
+        bends([&self.pose, new], MAX_TIP_DISTANCE * self.local)
+    }
+
     /// Returns the points of the next sweep: those of the tip, and those of the blade outside.
     ///
     /// Beside an end of the tip, the sweep widens and rises from the surface. Otherwise the line
@@ -198,19 +204,18 @@ impl Incision {
         out
     }
 
-    /// Returns columns at the points of the blade that are not in the body.
+    /// Returns columns at the bends of the blade that are not in the body.
     fn points_outside(&self, poses: &Poses<'_>) -> Vec<Column> {
         let mut columns = Vec::new();
-        for (i, point) in self.pose.iter().enumerate() {
-            #[expect(clippy::cast_precision_loss, reason = "few points")]
-            let parameter = i as f64;
+        for parameter in self.bends(poses.new) {
             let is_covered = poses.tip.windows(2).any(|pair| {
                 pair[0].is_joined
                     && pair[0].parameter <= parameter
                     && parameter <= pair[1].parameter
             });
+            let point = point_at(&self.pose, parameter);
             let is_at_tip = self.tip.iter().any(|tip| {
-                let distance = (point_at(&self.pose, tip.parameter) - to_f64(*point)).norm();
+                let distance = (point_at(&self.pose, tip.parameter) - point).norm();
                 distance <= MAX_TIP_DISTANCE * self.local
             });
             if !is_covered && !is_at_tip {
@@ -310,20 +315,21 @@ pub(super) fn is_at_boundary(surface: &Surface, vertex: VertexId) -> bool {
 /// Moves the points of the next sweep along the blade, away from where that pierces the surface.
 ///
 /// There the sweep's curves end. A point close to an end would leave a tip that turns back.
-/// `near` has all triangles that the blade may pierce.
+/// `near` has all triangles that the blade may pierce, `bends` its parameters where it bends.
 pub(super) fn spread(
     columns: &mut [Column],
     surface: &Surface,
     near: &[TriangleId],
     poses: &Poses<'_>,
+    bends: &[f64],
 ) {
     let piercings = front_piercings(columns, surface, near);
     for (i, &[parameter, clearance]) in piercings.iter().enumerate() {
         let others = [i.checked_sub(1), Some(i + 1)].into_iter().flatten();
         let others = others.filter_map(|j| piercings.get(j));
         let room = others.map(|other| (other[0] - parameter).abs() / 2.0);
-        let to_point = (parameter - parameter.round()).abs();
-        let reach = room.fold(to_point, f64::min).min(3.0 * clearance);
+        let to_bend = bends.iter().map(|bend| (bend - parameter).abs());
+        let reach = room.chain(to_bend).fold(3.0 * clearance, f64::min);
         for column in columns.iter_mut().filter(|column| !column.stands) {
             let distance = column.parameter - parameter;
             if distance.abs() < reach {

@@ -125,7 +125,7 @@ impl Incision {
             }
             let points = columns.iter().map(|column| to_f32(column.current));
             let near = near(&Aabb::around(points));
-            spread(&mut columns, surface, &near, &poses);
+            spread(&mut columns, surface, &near, &poses, &self.bends(poses.new));
             if !approach.leaves || !columns::is_inside(&columns, surface, &near) {
                 return columns;
             }
