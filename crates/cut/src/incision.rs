@@ -9,6 +9,7 @@ mod line;
 mod map;
 mod path;
 mod piercings;
+mod rise;
 mod step_sweep;
 
 #[cfg(feature = "serde")]

@@ -147,7 +147,7 @@ impl Incision {
         let starts_inside = starts_inside(surface, blade, &piercings, sheets);
         let ends = ends_in_body(surface, &piercings, sheets, starts_inside);
         (!ends.is_empty()).then(|| Approach {
-            map: BladeMap::of_entry(surface, blade, &ends, self.local),
+            map: BladeMap::of_entry(surface, blade, &ends, &self.bends(blade), self.local),
             ..Approach::default()
         })
     }

@@ -2,11 +2,11 @@
 
 use super::closing::Closing;
 use super::lead::MIN_MOTION;
-use super::line::point_at;
+use super::line::{bends, point_at};
 use super::map::BladeMap;
 use super::piercings::{is_pierced, pierced_at};
+use super::rise::{max_rise, outward};
 use super::{Incision, TipPoint};
-use incise_mesh::geometry::{area_vector, to_f64};
 use incise_mesh::{Surface, TriangleId, Vec3, VertexId};
 
 /// Displacement of the sweep beyond the ends of a tip [local edge lengths].
@@ -14,15 +14,11 @@ pub(super) const WIDENING: f64 = 0.3;
 /// Its maximum [distance to the next point of the sweep].
 pub(super) const MAX_WIDENING: f64 = 0.2;
 
-/// Maximum rise of the sweep from an end of a tip [distance to the next point of the sweep].
-///
-/// Below a half, so that points between two parts of a tip keep their order.
-const MAX_RISE: f64 = 0.3;
-
 /// Maximum gap between walls that the tip crosses at one point [local edge lengths].
 const MAX_GAP: f64 = 1e-3;
 
-/// Maximum distance of a point of the blade from the tip that takes its place [local edge lengths].
+/// Maximum distance of a point of the blade from the tip, or from a straight blade without it, that
+/// takes its place [local edge lengths].
 const MAX_TIP_DISTANCE: f64 = 1e-3;
 
 /// Minimum distance of a point of the sweep from the surface, along the blade [local edge lengths].
@@ -138,6 +134,12 @@ impl Poses<'_> {
 }
 
 impl Incision {
+    /// Returns the parameters of the blade's ends and of the points where it bends in its last pose
+    /// or in a new one.
+    pub(super) fn bends(&self, new: &[[f32; 3]]) -> Vec<f64> {
+        bends([&self.pose, new], MAX_TIP_DISTANCE * self.local)
+    }
+
     /// Returns the points of the next sweep: those of the tip, and those of the blade outside.
     ///
     /// Beside an end of the tip, the sweep widens and rises from the surface. Otherwise the line
@@ -166,18 +168,22 @@ impl Incision {
             let before = i.checked_sub(1).map(|i| columns[i]);
             let after = columns.get(i + 1).copied();
             let mut own = column;
+            let moves = column.is_tip() && !column.stands;
+            let is_first = moves && !before.is_some_and(|before| before.goes_on());
+            let is_last = moves && !column.goes_on();
             let mut risen = |beyond: Column| {
                 let [a, b] = [column, beyond].map(|c| c.current);
                 let local = self.local;
                 let part = (WIDENING * local / (b - a).norm()).min(MAX_WIDENING);
                 let step = (beyond.parameter - column.parameter) * part;
-                if column.closes.is_null() {
+                // The tip of a sheet, a single vertex, has both sides.
+                if column.closes.is_null() && is_first != is_last {
                     own = column.moved(column.parameter + step, poses);
                 }
-                let room = MAX_RISE * (beyond.previous - column.previous).norm();
-                let height = extent.rise * local.min(room);
+                let direction = outward(surface, column, a - b, a);
+                let height = extent.rise * local.min(max_rise(column, beyond, direction));
                 let previous = if height > 0.0 {
-                    column.previous + outward(surface, column, a - b, a) * height
+                    column.previous + direction * height
                 } else {
                     poses.previous(column.parameter + step)
                 };
@@ -187,9 +193,6 @@ impl Incision {
                 };
                 risen.moved(column.parameter + 2.0 * step, poses)
             };
-            let moves = column.is_tip() && !column.stands;
-            let is_first = moves && !before.is_some_and(|before| before.goes_on());
-            let is_last = moves && !column.goes_on();
             out.extend(before.filter(|_| is_first).map(&mut risen));
             let risen = after.filter(|_| is_last).map(risen);
             out.push(own);
@@ -201,19 +204,18 @@ impl Incision {
         out
     }
 
-    /// Returns columns at the points of the blade that are not in the body.
+    /// Returns columns at the bends of the blade that are not in the body.
     fn points_outside(&self, poses: &Poses<'_>) -> Vec<Column> {
         let mut columns = Vec::new();
-        for (i, point) in self.pose.iter().enumerate() {
-            #[expect(clippy::cast_precision_loss, reason = "few points")]
-            let parameter = i as f64;
+        for parameter in self.bends(poses.new) {
             let is_covered = poses.tip.windows(2).any(|pair| {
                 pair[0].is_joined
                     && pair[0].parameter <= parameter
                     && parameter <= pair[1].parameter
             });
+            let point = point_at(&self.pose, parameter);
             let is_at_tip = self.tip.iter().any(|tip| {
-                let distance = (point_at(&self.pose, tip.parameter) - to_f64(*point)).norm();
+                let distance = (point_at(&self.pose, tip.parameter) - point).norm();
                 distance <= MAX_TIP_DISTANCE * self.local
             });
             if !is_covered && !is_at_tip {
@@ -304,26 +306,6 @@ fn without_idle(columns: &mut Vec<Column>) {
     columns.retain(|_| used.next().unwrap_or_default());
 }
 
-/// Returns the unit vector half way between the blade and the direction away from the surface at a
-/// column, in the plane of the sweep there.
-///
-/// Straight away from a surface that faces the motion, the sweep would turn back. `along` is the
-/// direction of the blade towards the column, `to` the column's next position \[m\]. A sheet has
-/// two sides: there the vector is on that from which the blade comes.
-fn outward(surface: &Surface, column: Column, along: Vec3, to: Vec3) -> Vec3 {
-    let fan = surface.topology().outgoing_fan(column.vertex);
-    let normals = fan.map(|h| area_vector(surface.triangle_positions(h.triangle())));
-    let normal: Vec3 = normals.sum();
-    let is_reversed = is_at_boundary(surface, column.vertex) && normal.dot(&along) > 0.0;
-    let normal = if is_reversed { -normal } else { normal };
-    let across = along.cross(&(to - column.previous));
-    let across = across.try_normalize(0.0).unwrap_or_default();
-    let in_plane = normal - across * across.dot(&normal);
-    let beyond = in_plane.try_normalize(0.0).unwrap_or_default()
-        - along.try_normalize(0.0).unwrap_or_default();
-    beyond.try_normalize(0.0).unwrap_or_default()
-}
-
 /// Returns whether a vertex is on the boundary of a sheet.
 pub(super) fn is_at_boundary(surface: &Surface, vertex: VertexId) -> bool {
     let first = surface.topology().outgoing_fan(vertex).next();
@@ -333,20 +315,21 @@ pub(super) fn is_at_boundary(surface: &Surface, vertex: VertexId) -> bool {
 /// Moves the points of the next sweep along the blade, away from where that pierces the surface.
 ///
 /// There the sweep's curves end. A point close to an end would leave a tip that turns back.
-/// `near` has all triangles that the blade may pierce.
+/// `near` has all triangles that the blade may pierce, `bends` its parameters where it bends.
 pub(super) fn spread(
     columns: &mut [Column],
     surface: &Surface,
     near: &[TriangleId],
     poses: &Poses<'_>,
+    bends: &[f64],
 ) {
     let piercings = front_piercings(columns, surface, near);
     for (i, &[parameter, clearance]) in piercings.iter().enumerate() {
         let others = [i.checked_sub(1), Some(i + 1)].into_iter().flatten();
         let others = others.filter_map(|j| piercings.get(j));
         let room = others.map(|other| (other[0] - parameter).abs() / 2.0);
-        let to_point = (parameter - parameter.round()).abs();
-        let reach = room.fold(to_point, f64::min).min(3.0 * clearance);
+        let to_bend = bends.iter().map(|bend| (bend - parameter).abs());
+        let reach = room.chain(to_bend).fold(3.0 * clearance, f64::min);
         for column in columns.iter_mut().filter(|column| !column.stands) {
             let distance = column.parameter - parameter;
             if distance.abs() < reach {

@@ -27,21 +27,24 @@ pub(super) struct EntryCorners {
 impl EntryCorners {
     /// Returns the corners beside the ends of a blade's parts in the body, outside of it.
     ///
-    /// `speeds` are lengths at rest per parameter there \[m\], `local` is that of edges \[m\].
+    /// `bends` are those of the blade, `speeds` lengths at rest per parameter at the ends \[m\],
+    /// `local` is the length of edges \[m\].
     pub(super) fn beside(
         surface: &Surface,
         ends: &[Piercing],
+        bends: &[f64],
         speeds: impl Iterator<Item = f64>,
         local: f64,
     ) -> Self {
+        let end = bends.last().copied().unwrap_or_default();
         let corner = |(i, speed): (usize, f64)| {
             let own = ends[i].parameter;
+            let others = ends.iter().map(|end| end.parameter);
+            let points = others.chain(bends.iter().copied());
             let next = if ends[i].enters {
-                let before = i.checked_sub(1).map(|i| ends[i].parameter);
-                before.map_or(own.floor(), |before| own.floor().max(before))
+                points.filter(|&point| point < own).fold(0.0, f64::max)
             } else {
-                let after = ends.get(i + 1).map(|end| end.parameter);
-                after.map_or(own.ceil(), |after| own.ceil().min(after))
+                points.filter(|&point| point > own).fold(end, f64::min)
             };
             let part = (WIDENING * local / (speed * (next - own).abs())).min(MAX_WIDENING);
             own + (next - own) * part

@@ -17,6 +17,32 @@ pub(super) fn point_at(line: &[[f32; 3]], parameter: f64) -> Vec3 {
     a + (b - a) * part
 }
 
+/// Returns the parameters of the ends of a polyline and of the points at which it bends in either
+/// of two poses.
+///
+/// Between two of them, both poses are linear in the parameter, up to `tolerance` \[m\].
+pub(super) fn bends(poses: [&[[f32; 3]]; 2], tolerance: f64) -> Vec<f64> {
+    #[expect(clippy::cast_precision_loss, reason = "few points")]
+    let parameters: Vec<f64> = (0..poses[0].len()).map(|i| i as f64).collect();
+    let is_straight = |from: usize, to: usize| {
+        (from + 1..to).all(|i| {
+            let part = (parameters[i] - parameters[from]) / (parameters[to] - parameters[from]);
+            poses.iter().all(|line| {
+                let [start, own, end] = [from, i, to].map(|i| to_f64(line[i]));
+                (start.lerp(&end, part) - own).norm() <= tolerance
+            })
+        })
+    };
+    let mut bends = vec![0];
+    for i in 1..parameters.len() {
+        let last = bends[bends.len() - 1];
+        if i + 1 == parameters.len() || !is_straight(last, i + 1) {
+            bends.push(i);
+        }
+    }
+    bends.into_iter().map(|i| parameters[i]).collect()
+}
+
 /// Returns the parameter of the point of a polyline that is level with `place` along the
 /// polyline's chord, and the distance by which that is beyond an end \[m\].
 ///
@@ -88,6 +114,21 @@ mod tests {
             let found = level_with(&line, Vec3::from(place), near);
             assert!((found.0 - expected.0).abs() < 1e-12, "{place:?}: {found:?}");
             assert!((found.1 - expected.1).abs() < 1e-12, "{place:?}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn a_polyline_bends_where_it_is_not_linear_in_its_parameter() {
+        let straight = [0.0, 1.0, 2.0, 3.0, 4.0].map(|x| [x, 0.0, 0.0]);
+        let uneven = [0.0, 0.5, 2.0, 3.0, 4.0].map(|x| [x, 0.0, 0.0]);
+        let bent = [0.0, 0.0, 0.0, 1.0, 2.0].map(|y| [y, y, 0.0]);
+        for (other, expected) in [
+            (straight, vec![0.0, 4.0]),
+            (uneven, vec![0.0, 1.0, 2.0, 4.0]),
+            (bent, vec![0.0, 2.0, 4.0]),
+        ] {
+            assert_eq!(bends([&straight, &other], 1e-9), expected);
+            assert_eq!(bends([&other, &straight], 1e-9), expected);
         }
     }
 

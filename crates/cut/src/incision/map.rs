@@ -62,11 +62,13 @@ impl BladeMap {
     /// Returns the map of a blade without a tip that enters and leaves a deformed body at some
     /// piercings.
     ///
-    /// `local` is the length of edges near them \[m\].
+    /// `bends` are parameters of the blade, `local` is the length of edges near the piercings
+    /// \[m\].
     pub(super) fn of_entry(
         surface: &Surface,
         blade: &[[f32; 3]],
         ends: &[Piercing],
+        bends: &[f64],
         local: f64,
     ) -> Self {
         let anchor = |i: usize| {
@@ -89,7 +91,7 @@ impl BladeMap {
             let [before, after] = [-0.5, 0.5].map(|d| point_at(blade, anchor.parameter + d));
             (anchor.inverse_gradient * (after - before)).norm()
         });
-        let corners = EntryCorners::beside(surface, ends, speeds, local);
+        let corners = EntryCorners::beside(surface, ends, bends, speeds, local);
         Self { anchors, corners }
     }
 

@@ -125,7 +125,7 @@ impl Incision {
                 return columns;
             }
             let near = search.along(surface, &line(&columns));
-            spread(&mut columns, surface, &near, &poses);
+            spread(&mut columns, surface, &near, &poses, &self.bends(poses.new));
             if !approach.leaves {
                 return columns;
             }

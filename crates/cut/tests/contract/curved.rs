@@ -1,8 +1,9 @@
 //! Blades of more than two points that move on from frame to frame.
 
-use crate::common::{check, check_manifold, params};
+use crate::common::{check, check_manifold, params, shortest_edge};
 use incise_cut::{CutError, Cutter, Incision};
-use incise_mesh::{Surface, icosphere, sheet, torus};
+use incise_mesh::geometry::{to_f32, to_f64};
+use incise_mesh::{Surface, Vec3, icosphere, sheet, torus};
 use proptest::prelude::*;
 
 /// The shape of a blade with ends at -1 and 1, as its distance from the line between them.
@@ -197,4 +198,41 @@ fn a_point_of_the_blade_in_the_cloth() {
             assert_eq!(body.piece_count(), 2, "bend {bend} steps {steps}");
         }
     }
+}
+
+/// Points at which a blade is straight change no step.
+#[test]
+fn straight_points_of_a_blade_change_nothing() {
+    let mut whole = icosphere(3, 1.0);
+    for p in whole.positions_mut() {
+        (p[1], p[2]) = (0.4 * p[1], 0.7 * p[2]);
+    }
+    for p in whole.rest_positions_mut() {
+        (p[1], p[2]) = (0.4 * p[1], 0.7 * p[2]);
+    }
+    let starts = [
+        [0.700_692_8, -0.482_137_38, 0.209_689_48],
+        [0.560_518_4, -0.525_513_7, 0.276_867_72],
+        [0.406_644_46, -0.567_450_64, 0.301_513_1],
+        [0.250_880_66, -0.604_729_4, 0.281_734_08],
+    ];
+    let end = Vec3::new(0.242_237_42, 0.043_534_167, -0.213_666_93);
+    let mut counts = Vec::new();
+    for points in [2u16, 3, 4, 5, 6, 9] {
+        let mut body = whole.clone();
+        let mut cutter = Cutter::new(&body);
+        let mut incision = Incision::default();
+        for start in starts {
+            let at = |i: u16| to_f64(start).lerp(&end, f64::from(i) / f64::from(points - 1));
+            let pose: Vec<[f32; 3]> = (0..points).map(|i| to_f32(at(i))).collect();
+            let _ = cutter
+                .advance(&mut body, &mut incision, &pose, &params(0.1))
+                .unwrap();
+            check(&body);
+        }
+        let shortest = shortest_edge(&body);
+        assert!(shortest > 0.0, "{points} points: {shortest}");
+        counts.push((points, body.topology().triangle_count()));
+    }
+    assert!(counts.iter().all(|c| c.1 == counts[0].1), "{counts:?}");
 }

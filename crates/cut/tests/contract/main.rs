@@ -16,6 +16,7 @@ mod lineage;
 mod mesh_planes;
 mod misuse;
 mod moved;
+mod open;
 mod pinched;
 mod progress;
 mod recut;

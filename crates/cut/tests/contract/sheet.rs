@@ -355,3 +355,34 @@ fn a_cut_along_a_line_of_the_grid_leaves_no_sliver() {
         }
     }
 }
+
+/// A curve ends beside the tip of a slit, within rounding, and another one goes on from the tip.
+#[test]
+fn snapping_beside_a_tip_keeps_its_vertex() {
+    let mut surface = sheet([2.0, 2.0], [16, 16]);
+    let mut cutter = Cutter::new(&surface);
+    let mut incision = Incision::default();
+    let tops = [
+        [0.643_652, 0.267_420_92, 0.501_320_1],
+        [0.665_400_9, 0.120_219_83, 0.498_469_74],
+        [0.252_883_67, 0.612_738_55, 0.430_698_7],
+        [0.602_092, 0.365_665_7, 0.497_068_67],
+        [0.654_245_9, 0.226_349, 0.501_554_55],
+        [0.587_772_37, 0.210_870_74, 0.793_687_6],
+    ];
+    let bottoms = [
+        [0.820_914_8, 0.308_696_27, -0.277_701_23],
+        [0.842_663_7, 0.161_495_16, -0.280_551_6],
+        [0.430_146_46, 0.654_013_9, -0.348_322_63],
+        [0.779_354_8, 0.406_941_06, -0.281_952_68],
+        [0.831_508_7, 0.267_624_32, -0.277_466_77],
+        [0.765_035_15, 0.252_146_07, 0.014_666_22],
+    ];
+    for (bottom, top) in bottoms.into_iter().zip(tops) {
+        let _ = cutter
+            .advance(&mut surface, &mut incision, &[bottom, top], &params(0.1))
+            .unwrap();
+        check_manifold(&surface);
+        cutter.bvh().validate(&surface).unwrap();
+    }
+}

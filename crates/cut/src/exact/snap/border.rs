@@ -19,6 +19,11 @@ impl Snapper {
         vertex: VertexId,
         done: &mut Snapped,
     ) {
+        // A tip is the node of a curve that goes on from it.
+        let mut parts = facets.tip().parts.iter();
+        if parts.any(|part| part.vertices.contains(&vertex)) {
+            return;
+        }
         let surface = cut.edit.surface();
         let topology = surface.topology();
         let target = cut.sides.vertices[node as usize][side];
