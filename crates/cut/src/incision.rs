@@ -10,6 +10,7 @@ mod map;
 mod path;
 mod piercings;
 mod rise;
+mod segment;
 mod step_sweep;
 
 #[cfg(feature = "serde")]
@@ -158,10 +159,8 @@ impl Incision {
     /// [`CutError::PolylineLength`] for a blade of less than two points, and as [`Sweep::strip`].
     #[cfg(feature = "serde")]
     pub fn validate(&self) -> Result<(), CutError> {
-        let Path { entry, tips } = &self.path;
-        let is_cut_off = |line: &[[f32; 3]], is_used: bool| is_used && line.len() < 2;
-        if is_cut_off(&self.pose, !self.tip.is_empty()) || is_cut_off(entry, !tips.is_empty()) {
-            let (previous, current) = (entry.len(), self.pose.len());
+        if !self.tip.is_empty() && self.pose.len() < 2 {
+            let [previous, current] = [self.pose.len(); 2];
             return Err(CutError::PolylineLength { previous, current });
         }
         self.sweep.as_ref().map_or(Ok(()), Sweep::check)
@@ -194,14 +193,23 @@ impl Incision {
         self.refused_steps = 0;
     }
 
-    /// Restarts at `pose` \[m\] a blade without a tip that was elsewhere at the last call.
+    /// Moves to `pose` \[m\] a blade without a tip that was elsewhere at the last call.
     ///
     /// For callers that skip calls while a blade is far from the body.
     pub fn resume(&mut self, pose: &[[f32; 3]]) {
         let waits = self.is_inside() || self.state == IncisionState::Blocked;
         if !waits && self.seen != pose {
-            self.restart(pose);
+            self.pass(pose);
         }
+    }
+
+    /// Moves a blade without a tip to `pose` \[m\] without a cut.
+    pub(crate) fn pass(&mut self, pose: &[[f32; 3]]) {
+        self.take_pose(pose);
+        self.see(pose);
+        self.leave_tip();
+        self.back = None;
+        self.state = IncisionState::Outside;
     }
 
     /// Stores the blade of a call.
@@ -226,7 +234,7 @@ impl Incision {
         moves: &[RimMove],
     ) {
         if let Some(closing) = &step.approach.closing {
-            self.path.push_ends(closing.ends(&step.approach.tip));
+            self.path.push(closing.ends(&step.approach.tip));
             self.path.open(copies);
         } else {
             self.path.open_tip(copies);
@@ -248,11 +256,21 @@ impl Incision {
             tip: last,
             stands,
             closing,
+            starts_inside,
             ..
         } = step.approach;
         let tip = with_standing(moved, last, stands);
+        let ends = |tip: &[TipPoint]| match tip {
+            [first, .., last] => [first.parameter, last.parameter],
+            [only] => [only.parameter; 2],
+            #[expect(clippy::cast_precision_loss, reason = "few points")]
+            [] => [0.0, (pose.len() - 1) as f64],
+        };
         if self.tip.is_empty() {
-            self.path.start(&self.pose);
+            if self.back.is_none() || self.path.ends_inside() {
+                self.path.clear();
+            }
+            self.path.enter(&self.pose, ends(&tip), *starts_inside);
             self.local = 0.0;
         }
         // Edges beside the tip are short, because the last step split them.
@@ -271,11 +289,11 @@ impl Incision {
             if closing.is_some() {
                 self.back = Some(0.0);
             } else {
-                self.path.clear();
+                self.path.leave(pose, ends(last));
             }
         } else {
             self.state = IncisionState::Inside;
-            self.path.push(&tip);
+            self.path.push([0, tip.len() - 1].map(|i| tip[i].vertex));
         }
         self.tip = tip;
         self.sweep = sweep;

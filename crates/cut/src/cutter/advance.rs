@@ -195,7 +195,7 @@ impl Cutter {
                         incision.open_path(&step, copies, self.exact.rim_moves());
                         incision.finish_step(blade, tip, taken, &step);
                     } else if !incision.is_inside() {
-                        incision.restart(blade);
+                        incision.pass(blade);
                     }
                     return Ok(outcome);
                 }

@@ -4,8 +4,9 @@ use super::closing::Closing;
 use super::lead::{MIN_MOTION, free_standing, has_moved, is_ahead, standing};
 use super::line::{offset, point_at};
 use super::map::{BladeMap, is_at_rest};
-use super::path::come_within;
-use super::piercings::{Piercing, ends_in_body, piercings};
+use super::path::{PathSearch, Way};
+use super::piercings::{Piercing, ends_in_body, is_pierced, piercings};
+use super::segment::come_within;
 use super::{Incision, IncisionState, PATH_WIDTH, TipPoint, motion_scale};
 use crate::blade_position::is_in_body;
 use crate::error::CutError;
@@ -27,6 +28,8 @@ pub(crate) struct Approach {
     pub(super) offsets: Vec<Vec3>,
     /// Whether the blade is outside of the body, so that its front must be.
     pub(super) leaves: bool,
+    /// Whether a blade without a tip is in the body at its last pose.
+    pub(super) starts_inside: bool,
     /// How the step closes the cut, if it does.
     pub(super) closing: Option<Closing>,
     /// The next places of the tip's vertices \[m\].
@@ -110,6 +113,7 @@ impl Incision {
             stands,
             ahead: leads.iter().map(|lead| lead.ahead).collect(),
             leaves: is_outside,
+            starts_inside: false,
             closing,
             map,
             targets,
@@ -125,22 +129,19 @@ impl Incision {
         sheets: &[bool],
     ) -> Option<Approach> {
         self.see(blade);
-        if self.back.is_some() {
-            if self.goes_back(surface, blade) {
-                self.take_pose(blade);
-                return None;
-            }
-            self.leave();
-        }
         let near = search.in_box(surface, &Aabb::around(blade.iter().copied()));
+        let piercings = piercings(blade, surface, &near);
+        let is_outside = || piercings.is_empty() && !is_in_body(surface, sheets, blade[0]);
+        if !self.path.is_empty() && self.retraces(surface, blade, is_outside()) {
+            return None;
+        }
         if self.slide_pose(surface, blade, &near) {
             return None;
         }
-        let piercings = piercings(blade, surface, &near);
         if piercings.is_empty() || is_at_rest(surface) {
-            let is_outside = || piercings.is_empty() && !is_in_body(surface, sheets, blade[0]);
             return Some(Approach {
                 leaves: self.state == IncisionState::Blocked && is_outside(),
+                starts_inside: self.pierces(surface, search),
                 ..Approach::default()
             });
         }
@@ -148,6 +149,7 @@ impl Incision {
         let ends = ends_in_body(surface, &piercings, sheets, starts_inside);
         (!ends.is_empty()).then(|| Approach {
             map: BladeMap::of_entry(surface, blade, &ends, &self.bends(blade), self.local),
+            starts_inside: self.pierces(surface, search),
             ..Approach::default()
         })
     }
@@ -174,20 +176,72 @@ impl Incision {
         true
     }
 
-    /// Returns whether a blade is on its way through the body, behind the tip, and stores where.
-    fn goes_back(&mut self, surface: &Surface, blade: &[[f32; 3]]) -> bool {
-        let width = PATH_WIDTH * self.local;
+    /// Returns whether the last pose pierces the surface.
+    fn pierces(&self, surface: &Surface, search: &mut Search<'_>) -> bool {
+        let line: Vec<Vec3> = self.pose.iter().map(|&p| to_f64(p)).collect();
+        let near = search.along(surface, &line);
+        is_pierced(&line, surface, &near)
+    }
+
+    /// Returns where a blade is on its way through the body, see [`Path::find`].
+    fn find(&self, surface: &Surface, blade: &[[f32; 3]], way: Way) -> Option<f64> {
         let moved = self.pose.iter().zip(blade);
         let moved = moved.map(|(&p, &q)| (to_f64(q) - to_f64(p)).norm());
-        let motion = moved.fold(0.0, f64::max);
-        let back = self.back.unwrap_or(0.0);
-        let find = |back: f64| self.path.find(surface, blade, back, motion, width);
-        let mut found = find(back);
-        if found.is_none() && !self.is_inside() {
-            // The way of a cut that is closed goes on at its start.
-            found = find(f64::INFINITY);
-        }
+        let search = PathSearch {
+            blade,
+            motion: moved.fold(0.0, f64::max),
+            width: PATH_WIDTH * self.local,
+            way,
+        };
+        self.path.find(surface, &search)
+    }
+
+    /// Returns whether a blade is on its way through the body, behind the tip, and stores where.
+    fn goes_back(&mut self, surface: &Surface, blade: &[[f32; 3]]) -> bool {
+        let way = Way {
+            back: self.back.unwrap_or(0.0),
+            has_gaps: true,
+            goes_on: true,
+        };
+        let found = self.find(surface, blade, way);
         self.back = found.or(self.back);
+        found.is_some()
+    }
+
+    /// Moves a blade without a tip along its last way through the body, where nothing is left to
+    /// cut. Returns whether it stays there.
+    fn retraces(&mut self, surface: &Surface, blade: &[[f32; 3]], is_outside: bool) -> bool {
+        let way = |back: f64, has_gaps: bool, goes_on: bool| Way {
+            back,
+            has_gaps,
+            goes_on,
+        };
+        let before = self.back;
+        let before =
+            before.or_else(|| self.find(surface, &self.pose, way(f64::INFINITY, true, true)));
+        let Some(back) = before else {
+            return false;
+        };
+        let mut found = self.find(surface, blade, way(back, is_outside, false));
+        if is_outside || self.path.ends_inside() {
+            // The way of a cut that is closed goes on at its start.
+            let anywhere = way(f64::INFINITY, is_outside, false);
+            found = found.or_else(|| self.find(surface, blade, anywhere));
+        }
+        let [was_early, is_early] =
+            [&self.pose, blade].map(|pose| self.path.is_nearer_start(surface, pose));
+        let leaves = is_outside && (self.back.is_some() || was_early != is_early);
+        if found.is_none() && leaves && self.find(surface, blade, way(back, true, true)).is_some() {
+            self.pass(blade);
+            return true;
+        }
+        self.back = found.or(before);
+        if found.is_some() {
+            if is_outside && self.pose != blade {
+                self.state = IncisionState::Outside;
+            }
+            self.take_pose(blade);
+        }
         found.is_some()
     }
 
@@ -243,7 +297,7 @@ impl Incision {
     fn passes_tip(&self, surface: &Surface, blade: &[[f32; 3]], width: f64) -> bool {
         let ends = [self.tip[0], self.tip[self.tip.len() - 1]];
         let off = |pose: &[[f32; 3]]| ends.map(|end| offset(pose, surface.position(end.vertex)));
-        come_within(off(&self.pose), off(blade), 0.0, [[width; 2]; 2])
+        come_within([off(&self.pose), off(blade)], [0.0, 1.0], [[width; 2]; 2])
     }
 }
 

@@ -135,14 +135,13 @@ fn common_part(passings: &[Passing]) -> f64 {
 }
 
 impl Closing {
-    /// Returns the ends of the border along the blade, with the parameters of the tip's ends.
-    pub(super) fn ends(&self, tip: &[TipPoint]) -> [(VertexId, f64); 2] {
-        let [first, last] = [0, tip.len() - 1].map(|i| tip[i].parameter);
+    /// Returns the ends of the border along the blade.
+    pub(super) fn ends(&self, tip: &[TipPoint]) -> [VertexId; 2] {
         let [outer, inner] = [0, self.border.len() - 1].map(|i| self.border[i]);
         if tip[0].is_inner {
-            [(inner, first), (outer, last)]
+            [inner, outer]
         } else {
-            [(outer, first), (inner, last)]
+            [outer, inner]
         }
     }
 

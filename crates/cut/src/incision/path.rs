@@ -1,25 +1,59 @@
-//! The way of a blade through a body, in which it may move back without a cut.
+//! [`Path`]: the way of a blade through a body, on which it may move back without a cut.
 
-use super::TipPoint;
-use super::line::{offset, part_along, point_at};
+use super::line::{offset, point_at};
+use super::segment::{Segment, arc_heights, length};
 use crate::exact::RimMove;
+use incise_mesh::geometry::{to_f32, to_f64};
 use incise_mesh::{Surface, Vec3, VertexId};
 
-/// The way of a blade since it entered the body: the pose before, then the ends of each tip.
+/// The way of a blade through a body, since it was off its way the last time.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Path {
-    pub(super) entry: Vec<[f32; 3]>,
-    pub(super) tips: Vec<[PathPoint; 2]>,
+    stations: Vec<Station>,
+    /// Whether it begins with a blade in the body, in front of which nothing is cut.
+    starts_inside: bool,
 }
 
-/// An end of a tip, once the blade has moved on: a point on each side of the slit.
+/// A line across the way: the ends of a tip, or points of a blade at the ends of the cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct PathPoint {
-    sides: [RimPoint; 2],
-    /// See [`TipPoint::parameter`].
-    parameter: f64,
+struct Station {
+    ends: [PathPoint; 2],
+    /// Whether the blade enters the body there, so that the step before is not cut.
+    is_entry: bool,
+}
+
+/// An end of a station.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+enum PathPoint {
+    /// A place of the blade \[m\].
+    Blade([f32; 3]),
+    /// A point on each side of the slit, which are one as long as it is an end of the tip.
+    Rim([RimPoint; 2]),
+}
+
+/// A pose that may be on the way, see [`Path::find`].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PathSearch<'a> {
+    pub(super) blade: &'a [[f32; 3]],
+    /// Motion of the blade from the place where it was \[m\].
+    pub(super) motion: f64,
+    /// Maximum distance from the way between coincident walls \[m\].
+    pub(super) width: f64,
+    pub(super) way: Way,
+}
+
+/// The parts of a way on which a blade may be.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Way {
+    /// How far behind the end of the way the blade was \[m\].
+    pub(super) back: f64,
+    /// Whether they include steps outside of the body, in which nothing was cut.
+    pub(super) has_gaps: bool,
+    /// Whether the way goes on straight beyond its ends outside of the body.
+    pub(super) goes_on: bool,
 }
 
 /// A point of a rim, between two of its vertices.
@@ -68,96 +102,141 @@ impl RimPoint {
 impl PathPoint {
     /// Returns the middle between both sides, and its distance from them \[m\].
     fn middle(&self, surface: &Surface) -> (Vec3, f64) {
-        let [a, b] = self.sides.map(|point| point.position(surface));
-        ((a + b) / 2.0, (b - a).norm() / 2.0)
+        match self {
+            Self::Blade(place) => (to_f64(*place), 0.0),
+            Self::Rim(sides) => {
+                let [a, b] = sides.map(|point| point.position(surface));
+                ((a + b) / 2.0, (b - a).norm() / 2.0)
+            }
+        }
+    }
+
+    fn sides_mut(&mut self) -> Option<&mut [RimPoint; 2]> {
+        match self {
+            Self::Blade(_) => None,
+            Self::Rim(sides) => Some(sides),
+        }
     }
 }
 
-fn open(tips: &mut [[PathPoint; 2]], copies: impl Fn(VertexId) -> Option<[VertexId; 2]>) {
-    for end in tips
-        .iter_mut()
-        .flatten()
-        .filter(|end| end.sides[0] == end.sides[1])
-    {
-        if let Some(own) = copies(end.sides[0].ends[0]) {
-            end.sides = own.map(RimPoint::at);
+impl Station {
+    fn of_blade(pose: &[[f32; 3]], parameters: [f64; 2]) -> Self {
+        Self {
+            ends: parameters.map(|parameter| PathPoint::Blade(to_f32(point_at(pose, parameter)))),
+            is_entry: false,
+        }
+    }
+
+    fn of_tip(ends: [VertexId; 2]) -> Self {
+        Self {
+            ends: ends.map(|vertex| PathPoint::Rim([RimPoint::at(vertex); 2])),
+            is_entry: false,
+        }
+    }
+
+    /// Replaces vertices that both sides share by the two that a step has made of each.
+    fn open(&mut self, copies: impl Fn(VertexId) -> Option<[VertexId; 2]>) {
+        let sides = self.ends.iter_mut().filter_map(PathPoint::sides_mut);
+        for sides in sides.filter(|sides| sides[0] == sides[1]) {
+            if let Some(own) = copies(sides[0].ends[0]) {
+                *sides = own.map(RimPoint::at);
+            }
         }
     }
 }
 
 impl Path {
     pub(super) fn clear(&mut self) {
-        self.entry.clear();
-        self.tips.clear();
+        self.stations.clear();
     }
 
-    pub(super) fn start(&mut self, pose: &[[f32; 3]]) {
-        self.clear();
-        self.entry.extend_from_slice(pose);
+    pub(super) fn is_empty(&self) -> bool {
+        self.stations.is_empty()
     }
 
-    pub(super) fn push(&mut self, tip: &[TipPoint]) {
-        let ends = [tip[0], tip[tip.len() - 1]];
-        self.push_ends(ends.map(|end| (end.vertex, end.parameter)));
+    /// Returns whether it ends at a tip or, without one, where it began.
+    pub(super) fn ends_inside(&self) -> bool {
+        let last = self.stations.last();
+        last.is_some_and(|last| matches!(last.ends[0], PathPoint::Rim(_)))
     }
 
-    /// Adds the ends of a tip, each with its parameter.
-    pub(super) fn push_ends(&mut self, ends: [(VertexId, f64); 2]) {
-        self.tips.push(ends.map(|(vertex, parameter)| PathPoint {
-            sides: [RimPoint::at(vertex); 2],
-            parameter,
-        }));
+    /// Adds the place at which a blade enters the body, given parameters of the tip's ends.
+    ///
+    /// `is_inside` is whether the blade was stabbed in there.
+    pub(super) fn enter(&mut self, pose: &[[f32; 3]], parameters: [f64; 2], is_inside: bool) {
+        if self.is_empty() {
+            self.starts_inside = is_inside;
+        }
+        self.stations.push(Station {
+            is_entry: true,
+            ..Station::of_blade(pose, parameters)
+        });
+    }
+
+    /// Adds the place at which a blade has left the body.
+    pub(super) fn leave(&mut self, pose: &[[f32; 3]], parameters: [f64; 2]) {
+        self.stations.push(Station::of_blade(pose, parameters));
+    }
+
+    /// Adds the ends of a tip.
+    pub(super) fn push(&mut self, ends: [VertexId; 2]) {
+        self.stations.push(Station::of_tip(ends));
     }
 
     /// Replaces the ends of the last tip by the two vertices that a step has made of each.
     pub(super) fn open_tip(&mut self, copies: impl Fn(VertexId) -> Option<[VertexId; 2]>) {
-        let last = self.tips.len().saturating_sub(1);
-        open(&mut self.tips[last..], copies);
+        if let Some(last) = self.stations.last_mut() {
+            last.open(copies);
+        }
     }
 
     /// Replaces all ends by the two vertices that a step has made of each.
     pub(super) fn open(&mut self, copies: impl Fn(VertexId) -> Option<[VertexId; 2]>) {
-        open(&mut self.tips, copies);
+        self.stations
+            .iter_mut()
+            .for_each(|station| station.open(&copies));
     }
 
     /// Keeps the ends of all tips in place where vertices of the slit's rim move along it.
     pub(super) fn follow(&mut self, moves: &[RimMove]) {
         for moved in moves {
-            let ends = self.tips.iter_mut().flatten();
-            let points = ends.flat_map(|end| &mut end.sides);
+            let ends = self
+                .stations
+                .iter_mut()
+                .flat_map(|station| &mut station.ends);
+            let points = ends.filter_map(PathPoint::sides_mut).flatten();
             points.for_each(|point| point.follow(moved));
         }
     }
 
-    /// Returns how far behind the tip a blade is, if it is on the way or behind its start, up to
-    /// `width` and the distance of the walls \[m\].
+    /// Returns how far behind the end of the way a blade is, if it is there, up to a width and the
+    /// distance of the walls \[m\].
     ///
-    /// The blade was `back` behind the tip and has moved by `motion` \[m\]. So it cannot be where
-    /// the way crosses itself. If `back` is infinite, it is at the place nearest to the start.
-    pub(super) fn find(
-        &self,
-        surface: &Surface,
-        blade: &[[f32; 3]],
-        back: f64,
-        motion: f64,
-        width: f64,
-    ) -> Option<f64> {
-        let reach = 2.0 * (motion + width);
-        // A segment counts from the place of its end on, so the one before may begin far ahead.
-        let mut previous = 0.0;
+    /// A blade that has moved by a distance cannot be where the way crosses itself. If it was
+    /// infinitely far back, it is at the place nearest to the start.
+    pub(super) fn find(&self, surface: &Surface, search: &PathSearch<'_>) -> Option<f64> {
+        let PathSearch { width, way, .. } = *search;
+        let back = way.back;
+        let reach = 2.0 * (search.motion + width);
         let mut found = None;
         for segment in self.segments(surface) {
-            if segment.behind > back + reach + previous {
+            if segment.behind > back + reach {
                 break;
             }
             let is_near = back.is_infinite() || segment.behind + segment.length >= back - reach;
-            if is_near && segment.has(blade, [width; 2]) {
-                found = Some(segment.behind);
-                if back.is_finite() {
-                    break;
+            let is_used = is_near && (way.has_gaps || !segment.is_gap);
+            if is_used && segment.has(search.blade, [width; 2]) {
+                let parts = segment.parts(search.blade);
+                let is_beyond =
+                    |&part: &f64| (segment.enters && part < 0.0) || (segment.leaves && part > 1.0);
+                if !way.goes_on && parts.iter().any(is_beyond) {
+                    return None;
+                }
+                if found.is_none() || back.is_infinite() {
+                    let part = parts.map(|part| part.clamp(0.0, 1.0)).iter().sum::<f64>() / 2.0;
+                    found = Some(segment.behind + segment.length * (1.0 - part));
                 }
             }
-            previous = segment.length;
         }
         found
     }
@@ -165,6 +244,16 @@ impl Path {
     /// Returns the way of an end of the tip in the last step \[m\].
     pub(super) fn last_way(&self, surface: &Surface, k: usize) -> Option<Vec3> {
         self.segments(surface).next().map(|segment| segment.way(k))
+    }
+
+    /// Returns whether a blade is nearer to the start of the way than to its end.
+    pub(super) fn is_nearer_start(&self, surface: &Surface, blade: &[[f32; 3]]) -> bool {
+        let distance = |station: Option<&Station>| -> f64 {
+            let ends = station.iter().flat_map(|station| &station.ends);
+            ends.map(|end| offset(blade, end.middle(surface).0).norm())
+                .sum()
+        };
+        distance(self.stations.first()) < distance(self.stations.last())
     }
 
     /// Returns how far behind the tip the last of some lines is, if the last step has crossed the
@@ -178,7 +267,8 @@ impl Path {
         lines: &[Vec<[f32; 3]>],
         width: f64,
     ) -> Option<f64> {
-        let segments: Vec<Segment> = self.segments(surface).collect();
+        let segments = self.segments(surface);
+        let segments: Vec<Segment> = segments.take_while(|segment| !segment.is_gap).collect();
         let [last, _, before @ ..] = &segments[..] else {
             return None;
         };
@@ -197,114 +287,36 @@ impl Path {
         places.last().map(|&i| segments[i].behind)
     }
 
-    /// Iterates over the steps of the way, from the tip to the start.
+    /// Iterates over the steps of the way, from its end to the start.
     fn segments<'a>(&'a self, surface: &'a Surface) -> impl Iterator<Item = Segment> + 'a {
         let slots = surface.topology().vertex_slots();
-        let is_known = move |tip: &[PathPoint; 2]| {
-            let mut used = tip
-                .iter()
-                .flat_map(|end| end.sides)
-                .flat_map(|side| side.ends);
-            used.all(|v| v.index() < slots)
+        let is_known = move |end: &PathPoint| match end {
+            PathPoint::Blade(_) => true,
+            PathPoint::Rim(sides) => {
+                (sides.iter().flat_map(|side| side.ends)).all(|v| v.index() < slots)
+            }
         };
-        let middles = |tip: [PathPoint; 2]| tip.map(|end| end.middle(surface));
+        let middles = |station: &Station| station.ends.map(|end| end.middle(surface));
+        let last = self.stations.len().saturating_sub(1);
         let mut behind = 0.0;
-        let steps = self.tips.iter().enumerate().rev();
-        steps.map_while(move |(i, tip)| {
-            let before = i.checked_sub(1).map(|i| self.tips[i]);
-            if !is_known(tip) || before.is_some_and(|before| !is_known(&before)) {
+        let steps = self.stations.windows(2).enumerate().rev();
+        steps.map_while(move |(i, pair)| {
+            if !pair.iter().flat_map(|station| &station.ends).all(is_known) {
                 return None;
             }
-            let to = middles(*tip);
-            let from = before.map_or_else(
-                || tip.map(|end| (point_at(&self.entry, end.parameter), 0.0)),
-                middles,
-            );
-            let length = (0..2).fold(0.0, |m, k| (to[k].0 - from[k].0).norm().max(m));
+            let [from, to] = [middles(&pair[0]), middles(&pair[1])];
+            let length = length(from.map(|end| end.0), to.map(|end| end.0));
             let segment = Segment {
                 behind,
                 length,
                 from,
                 to,
-                is_first: before.is_none(),
+                enters: i == 0 && !self.starts_inside,
+                leaves: i + 1 == last && !self.ends_inside(),
+                is_gap: pair[1].is_entry,
             };
             behind += length;
             Some(segment)
         })
     }
-}
-
-/// A step of the way.
-#[derive(Debug, Clone, Copy)]
-struct Segment {
-    /// Distance from its end to the tip, and its length \[m\].
-    behind: f64,
-    length: f64,
-    /// The ends of the tip before and after it, each with its distance from the walls \[m\].
-    from: [(Vec3, f64); 2],
-    to: [(Vec3, f64); 2],
-    /// Whether the way begins with it.
-    is_first: bool,
-}
-
-impl Segment {
-    /// Returns whether a blade is on it, or behind the start of the way, up to `widths` at the ends
-    /// of the tip \[m\].
-    fn has(&self, blade: &[[f32; 3]], widths: [f64; 2]) -> bool {
-        // The distances of the blade from the tip's ends change linearly along the way.
-        let both = [self.from, self.to];
-        let [first, last] = both.map(|ends| ends.map(|end| offset(blade, end.0)));
-        let earliest = if self.is_first {
-            f64::NEG_INFINITY
-        } else {
-            0.0
-        };
-        let widths = both.map(|ends| [0, 1].map(|k| widths[k] + ends[k].1));
-        come_within(first, last, earliest, widths)
-    }
-
-    /// Returns the way of an end of the tip.
-    fn way(&self, k: usize) -> Vec3 {
-        self.to[k].0 - self.from[k].0
-    }
-
-    /// Returns whether an end of the tip crosses another step, seen along the tip.
-    fn crosses(&self, other: &Self, k: usize) -> bool {
-        let along = self.to[1].0 - self.to[0].0;
-        let side = |[a, b]: [Vec3; 2], c: Vec3| along.dot(&(b - a).cross(&(c - a))) < 0.0;
-        let [own, other] = [self, other].map(|step| [step.from[k].0, step.to[k].0]);
-        let parts = |line: [Vec3; 2], [a, b]: [Vec3; 2]| side(line, a) != side(line, b);
-        parts(own, other) && parts(other, own)
-    }
-}
-
-/// Returns the height of the arc above each end's way in step `i` \[m\].
-///
-/// The arc turns in a step as the way does from step to step: of both neighbors the lesser turn,
-/// since a corner of the way is no arc. An arc that turns by `t` is `t / 8` of its chord high.
-fn arc_heights(segments: &[Segment], i: usize) -> [f64; 2] {
-    let beside = [i.checked_sub(1), Some(i + 1)].map(|i| segments.get(i?));
-    [0, 1].map(|k| {
-        let way = segments[i].way(k);
-        let turns = beside.map(|other| other.map_or(0.0, |other| other.way(k).angle(&way)));
-        way.norm() * turns[0].min(turns[1]) / 8.0
-    })
-}
-
-/// Returns whether two vectors that change linearly each become as short as `widths`, which change
-/// with them, at a time from `earliest` to 1.
-///
-/// Their times may differ: the ends of a blade that turned are level with other parts of the way.
-pub(super) fn come_within(
-    from: [Vec3; 2],
-    to: [Vec3; 2],
-    earliest: f64,
-    [first, last]: [[f64; 2]; 2],
-) -> bool {
-    (0..2).all(|k| {
-        let change = to[k] - from[k];
-        let part = part_along(change, -from[k]).map_or(1.0, |part| part.clamp(earliest, 1.0));
-        let width = first[k] + (last[k] - first[k]) * part.max(0.0);
-        (from[k] + change * part).norm() <= width
-    })
 }

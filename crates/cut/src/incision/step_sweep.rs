@@ -51,7 +51,7 @@ impl Incision {
         let sweep = match sweep {
             Err(CutError::BladeDegenerate) => {
                 if !self.is_inside() {
-                    self.restart(blade);
+                    self.pass(blade);
                 }
                 return Ok(None);
             }

@@ -2,8 +2,8 @@
 //! slice.
 
 use crate::common::{check, params};
-use incise_cut::{CutError, Cutter, Incision, Sweep};
-use incise_mesh::{Surface, cube_sphere, icosphere, torus};
+use incise_cut::{CutError, Cutter, Incision, IncisionState, Sweep};
+use incise_mesh::{Surface, VertexId, cube_sphere, icosphere, torus};
 use proptest::prelude::*;
 
 /// Maximum difference of the volumes of a piece after steps and after one slice [whole volume].
@@ -61,6 +61,53 @@ impl Stroke {
         Ok(body)
     }
 
+    /// Cuts a body in equal steps, moves its pieces apart and the blade back in any number of
+    /// steps, and checks that this cuts nothing.
+    fn check_way_back(&self, whole: &Surface, gap: f32, steps: u16) {
+        let (ends, motion) = self.blade();
+        let mut body = whole.clone();
+        let mut cutter = Cutter::new(&body);
+        let mut incision = Incision::default();
+        let mut move_to = |body: &mut Surface, cutter: &mut Cutter, s: f32| {
+            let pose = ends.map(|p| [0, 1, 2].map(|c| p[c] + motion[c] * s));
+            let outcome = cutter.advance(body, &mut incision, &pose, &params(self.snap));
+            (outcome.map(|outcome| outcome.is_miss()), incision.state())
+        };
+        for i in 0..=self.steps {
+            let (outcome, _) =
+                move_to(&mut body, &mut cutter, f32::from(i) / f32::from(self.steps));
+            let _ = outcome.unwrap();
+        }
+        let across = 3 - self.axis - (self.axis + 1) % 3;
+        let vertices: Vec<VertexId> = body.topology().vertices().collect();
+        let piece = |v: VertexId| body.piece(body.topology().outgoing(v).triangle());
+        let mean = |heights: &mut dyn Iterator<Item = f32>| {
+            let (sum, count) = heights.fold((0.0, 0.0), |(sum, n), height| (sum + height, n + 1.0));
+            sum / count
+        };
+        let means = (0..body.piece_bound()).map(|own| {
+            let own = vertices.iter().filter(|&&v| piece(v) == own);
+            mean(&mut own.map(|v| body.positions()[v.index()][across]))
+        });
+        let means: Vec<f32> = means.collect();
+        let middle = mean(&mut means.iter().copied());
+        let sides: Vec<f32> = means.iter().map(|mean| (mean - middle).signum()).collect();
+        let moves: Vec<f32> = vertices.iter().map(|&v| sides[piece(v) as usize]).collect();
+        for (v, side) in vertices.iter().zip(moves) {
+            body.positions_mut()[v.index()][across] += gap / 2.0 * side;
+        }
+        cutter.refit(&body);
+        let cut = body.clone();
+        for i in 0..=steps {
+            let s = 1.0 - f32::from(i) / f32::from(steps);
+            let (outcome, state) = move_to(&mut body, &mut cutter, s);
+            assert_eq!(outcome, Ok(true), "at {s}");
+            let states = [IncisionState::Outside, IncisionState::Finished];
+            assert!(states.contains(&state), "{state:?} at {s}");
+            assert_eq!(body, cut, "at {s}");
+        }
+    }
+
     /// Cuts a body at once.
     fn slice(&self, whole: &Surface) -> Surface {
         let (ends, motion) = self.blade();
@@ -107,6 +154,27 @@ proptest! {
         snap in prop::sample::select(vec![0.0, 0.1]),
     ) {
         Stroke { place, axis, tilt, steps, snap }.check(&body);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
+    /// On its way back through the finished cut the blade entered each piece once more.
+    #[test]
+    fn straight_strokes_cut_nothing_on_the_way_back(
+        body in prop::sample::select(vec![
+            icosphere(1, 0.5), icosphere(3, 0.5), cube_sphere(8, 0.5), torus(0.35, 0.15, 8, 6),
+            torus(0.35, 0.15, 32, 16),
+        ]),
+        place in prop::array::uniform3(-0.25f32..0.25),
+        axis in 0usize..3,
+        tilt in prop::array::uniform3(-0.3f32..0.3),
+        steps in prop::sample::select(vec![1u16, 2, 5, 10, 16, 40, 100]),
+        back in prop::sample::select(vec![1u16, 2, 7, 16, 40, 100]),
+        gap in prop::sample::select(vec![0.0f32, 0.0, 0.02, 0.2]),
+        snap in prop::sample::select(vec![0.0, 0.1]),
+    ) {
+        Stroke { place, axis, tilt, steps, snap }.check_way_back(&body, gap, back);
     }
 }
 
