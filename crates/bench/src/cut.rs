@@ -24,9 +24,9 @@ use std::io::Write;
 /// cut is undone before the next. Rows of kind `latency` have cuts of about equal size after many
 /// others.
 ///
-/// With --progressive a step is one mean edge length. refit: the BVH, of a body at rest only; growth:
-/// mean step of the last tenth relative to the first; `us_standing`: a call with the blade inside
-/// and unmoved. drag: one end of the blade in the body; press: both ends outside.
+/// With --progressive a step is one mean edge length. refit: the BVH, of a body at rest only;
+/// growth: mean step of the last tenth relative to the first; `us_standing`: a call with the blade
+/// inside and unmoved. drag: one end of the blade in the body; press: both ends outside.
 #[derive(Args, Clone)]
 pub(crate) struct CutArguments {
     #[command(flatten)]
