@@ -132,9 +132,8 @@ fn assert_vertices_match(before: &Surface, after: &Surface, delta: &TopologyDelt
         );
         let is_on_cap = matches!(added.origin, VertexOrigin::OnCap { .. });
         let is_at_rest = |v: VertexId| at(v) == after.rest_positions()[v.index()];
-        // Between parents at rest a vertex is at rest.
-        let is_between = parents.iter().all(|&p| is_at_rest(p));
-        assert!(!is_between || is_at_rest(v), "{v} is not at rest");
+        // A vertex between parents at rest may be at rest, where the mean is rounded another way.
+        let is_between = is_at_rest(v) && parents.iter().all(|&p| is_at_rest(p));
         for k in (0..3).filter(|_| !is_between) {
             // Within caps rest positions are harmonic instead of interpolated. Both are affine at
             // the rim, so they differ by at most the range of displacements along the rim.

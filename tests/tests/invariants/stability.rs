@@ -7,7 +7,7 @@ use incise_tests::stability::{Case, Runner, Verdict, cases};
 /// Verdicts that fail today: case, stress and invariant, the last two by their beginnings.
 ///
 /// One that is mended must leave the list.
-const OPEN: [[&str; 3]; 16] = [
+const OPEN: [[&str; 3]; 17] = [
     // Crumpled limp shells of long thin triangles jump, pieces without a volume creep, and balls
     // and halves of round bodies rock on.
     ["primitive", "", "speed"],
@@ -43,6 +43,8 @@ const OPEN: [[&str; 3]; 16] = [
     ["drop", "", "speed"],
     // A crumpled shell that an undo closes rises by itself.
     ["drop", "", "energy"],
+    // A wall of a soft ball is 0.106 of an edge deep in the other: contacts recover in time.
+    ["pressed", "", "depth of a wall"],
 ];
 
 /// Returns whether a verdict is known to fail.

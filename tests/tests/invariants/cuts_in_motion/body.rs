@@ -150,7 +150,10 @@ impl Body {
 
     pub(crate) fn validate(&self) {
         assert_closed_manifold(&self.surface);
-        let bvh = self.cutter.bvh().validate(&self.surface);
+        // Cuts of a body in motion wait for the next refit.
+        let mut cutter = self.cutter.clone();
+        cutter.refit(&self.surface);
+        let bvh = cutter.bvh().validate(&self.surface);
         bvh.expect("the BVH fits the surface");
         let constraints = self.solver.validate(&self.surface);
         constraints.expect("constraints are those from scratch");
