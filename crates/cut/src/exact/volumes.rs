@@ -66,7 +66,7 @@ impl Column {
     fn around(&mut self, surface: &Surface, rays: &[Ray]) -> &Bvh {
         let largest = f64::from(surface.largest_coordinate());
         let ends = rays.iter().flat_map(|ray| {
-            // No point of the surface is farther away.
+            // The surface ends within this distance.
             let reach = ray.normal * (ray.point.norm() + 3.0_f64.sqrt() * largest);
             [ray.point - reach, ray.point + reach]
         });

@@ -4,6 +4,7 @@ use super::columns::Column;
 use super::lead::{Lead, MIN_MOTION};
 use super::line::offset;
 use super::map::BladeMap;
+use super::segment::arc_height;
 use super::{Incision, MIN_STEP, TipPoint};
 use incise_mesh::geometry::{to_f32, to_f64};
 use incise_mesh::{Surface, Vec3, VertexId};
@@ -71,8 +72,11 @@ impl Incision {
         let ahead: Vec3 = leads.iter().map(|lead| lead.ahead).sum();
         let ahead = ahead.try_normalize(0.0)?;
         let progress = |passing: &Passing| passing.from_tip.dot(&ahead);
-        // An arc that turns by some angle is an eighth of it times its chord high.
-        let excess = |p: &Passing| (p.distance(part) - p.way.norm() * turn / 8.0).max(0.0);
+        // The blade moves on an arc above its step.
+        let excess = |p: &Passing| {
+            let height = arc_height(p.way.norm(), turn);
+            (p.distance(part) - height).max(0.0)
+        };
         let squares: f64 = own.iter().map(|passing| excess(passing).powi(2)).sum();
         let is_near = squares <= own.len() as f64 * (MIN_STEP * self.local).powi(2);
         let is_noticeable = |passing: &Passing| progress(passing) >= MIN_MOTION * self.local;

@@ -10,8 +10,13 @@ use super::{Incision, TipPoint};
 use incise_mesh::{Surface, TriangleId, Vec3, VertexId};
 
 /// Displacement of the sweep beyond the ends of a tip [local edge lengths].
+///
+/// The point beside the tip is displaced twice as far. So the sweep widens by 50 degrees in the
+/// smallest step, of half an edge, and by less in larger ones.
 pub(super) const WIDENING: f64 = 0.3;
 /// Its maximum [distance to the next point of the sweep].
+///
+/// Twice this is below a half, so that points beside two ends keep their order.
 pub(super) const MAX_WIDENING: f64 = 0.2;
 
 /// Maximum gap between walls that the tip crosses at one point [local edge lengths].

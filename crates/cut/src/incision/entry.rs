@@ -33,11 +33,11 @@ impl EntryCorners {
         surface: &Surface,
         ends: &[Piercing],
         bends: &[f64],
-        speeds: impl Iterator<Item = f64>,
+        speeds: &[f64],
         local: f64,
     ) -> Self {
         let end = bends.last().copied().unwrap_or_default();
-        let corner = |(i, speed): (usize, f64)| {
+        let corner = |i: usize| {
             let own = ends[i].parameter;
             let others = ends.iter().map(|end| end.parameter);
             let points = others.chain(bends.iter().copied());
@@ -46,10 +46,10 @@ impl EntryCorners {
             } else {
                 points.filter(|&point| point > own).fold(end, f64::min)
             };
-            let part = (WIDENING * local / (speed * (next - own).abs())).min(MAX_WIDENING);
+            let part = (WIDENING * local / (speeds[i] * (next - own).abs())).min(MAX_WIDENING);
             own + (next - own) * part
         };
-        let parameters: Vec<f64> = speeds.enumerate().map(corner).collect();
+        let parameters: Vec<f64> = (0..ends.len()).map(corner).collect();
         let last = ends.len().saturating_sub(1);
         let outer = [(0, true), (last, false)].map(|(i, enters)| {
             let own = ends.get(i).filter(|end| end.enters == enters);

@@ -87,11 +87,12 @@ impl BladeMap {
             }
         };
         let anchors: Vec<Anchor> = (0..ends.len()).map(anchor).collect();
-        let speeds = anchors.iter().map(|anchor| {
+        let speed = |anchor: &Anchor| {
             let [before, after] = [-0.5, 0.5].map(|d| point_at(blade, anchor.parameter + d));
             (anchor.inverse_gradient * (after - before)).norm()
-        });
-        let corners = EntryCorners::beside(surface, ends, bends, speeds, local);
+        };
+        let speeds: Vec<f64> = anchors.iter().map(speed).collect();
+        let corners = EntryCorners::beside(surface, ends, bends, &speeds, local);
         Self { anchors, corners }
     }
 
@@ -197,7 +198,7 @@ impl Anchor {
         local: f64,
     ) -> Option<&'a Piercing> {
         let distance = |p: &&Piercing| (p.rest - self.rest).norm();
-        // Whether the body is compressed as far as can be between both.
+        // Places in the body are at most this far apart at rest.
         let is_near =
             |p: &&Piercing| distance(p) <= (p.point - self.point).norm() / MIN_STRETCH + local;
         let own = piercings

@@ -68,16 +68,23 @@ pub(super) fn length(from: [Vec3; 2], to: [Vec3; 2]) -> f64 {
     across(0).max(across(1))
 }
 
+/// Returns the height of an arc above its chord \[m\], given its turn from end to end [rad].
+///
+/// Up to second order in the turn.
+pub(super) fn arc_height(chord: f64, turn: f64) -> f64 {
+    chord * turn / 8.0
+}
+
 /// Returns the height of the arc above each end's way in step `i` \[m\].
 ///
 /// The arc turns in a step as the way does from step to step: of both neighbors the lesser turn,
-/// since a corner of the way is no arc. An arc that turns by `t` is `t / 8` of its chord high.
+/// since a corner of the way is no arc.
 pub(super) fn arc_heights(segments: &[Segment], i: usize) -> [f64; 2] {
     let beside = [i.checked_sub(1), Some(i + 1)].map(|i| segments.get(i?));
     [0, 1].map(|k| {
         let way = segments[i].way(k);
         let turns = beside.map(|other| other.map_or(0.0, |other| other.way(k).angle(&way)));
-        way.norm() * turns[0].min(turns[1]) / 8.0
+        arc_height(way.norm(), turns[0].min(turns[1]))
     })
 }
 
