@@ -60,6 +60,8 @@ pub struct Incision {
     /// The blade at the last call without a tip. Its pose lags while it moves along its edge.
     seen: Vec<[f32; 3]>,
     tip: Vec<TipPoint>,
+    /// The other end of a slit that began in the body, at which it goes on to the other side.
+    start: Vec<TipPoint>,
     path: Path,
     /// By end of the blade, the vertices behind it at which both walls meet, up to the tip.
     ///
@@ -119,6 +121,8 @@ pub(crate) struct Step<'a> {
     pub(crate) local: f64,
     /// See `Exact::borders`.
     pub(crate) borders: [Vec<VertexId>; 2],
+    /// The tip along the last pose of a blade that had none and was in the body.
+    pub(crate) start: Vec<TipPoint>,
 }
 
 impl Incision {
@@ -181,6 +185,7 @@ impl Incision {
             IncisionState::Abandoned
         };
         self.leave_tip();
+        self.start.clear();
         self.path.clear();
         self.back = None;
     }
@@ -255,11 +260,17 @@ impl Incision {
         let Approach {
             tip: last,
             stands,
+            leaves,
             closing,
             starts_inside,
             ..
         } = step.approach;
-        let tip = with_standing(moved, last, stands);
+        // Where a blade has left, vertices that stand are beyond its ends, and its tip no longer.
+        let tip = if *leaves {
+            moved
+        } else {
+            with_standing(moved, last, stands)
+        };
         let ends = |tip: &[TipPoint]| match tip {
             [first, .., last] => [first.parameter, last.parameter],
             [only] => [only.parameter; 2],
@@ -269,6 +280,7 @@ impl Incision {
         if self.tip.is_empty() {
             if self.back.is_none() || self.path.ends_inside() {
                 self.path.clear();
+                self.start.clone_from(&step.start);
             }
             self.path.enter(&self.pose, ends(&tip), *starts_inside);
             self.local = 0.0;
@@ -287,6 +299,7 @@ impl Incision {
             self.see(pose);
             self.state = IncisionState::Finished;
             if closing.is_some() {
+                self.start.clear();
                 self.back = Some(0.0);
             } else {
                 self.path.leave(pose, ends(last));
@@ -301,37 +314,55 @@ impl Incision {
 
     /// Stores rest positions after a step in the rest shape.
     pub(crate) fn finish_exchange(&mut self, surface: &Surface) {
-        for point in &mut self.tip {
+        for point in self.tip.iter_mut().chain(&mut self.start) {
             point.rest = surface.rest_position(point.vertex);
         }
     }
 
     /// Removes the parts of the tip that other cuts have removed.
     fn check_tip(&mut self, surface: &Surface) {
-        let topology = surface.topology();
-        self.tip.retain(|point| {
-            point.vertex.index() < topology.vertex_slots()
-                && !topology.outgoing(point.vertex).is_null()
-                && surface.rest_position(point.vertex) == point.rest
-        });
-        for i in 0..self.tip.len() {
-            let next = self.tip.get(i + 1).map(|next| next.vertex);
-            let own = self.tip[i].vertex;
-            self.tip[i].is_joined &=
-                next.is_some_and(|next| topology.find_half_edge(own, next).is_some());
+        remove_cut(&mut self.tip, surface);
+        let count = self.start.len();
+        remove_cut(&mut self.start, surface);
+        if self.start.len() < count {
+            self.start.clear();
         }
-        for i in 0..self.tip.len() {
-            let next = self.tip.get(i + 1).map(|next| next.parameter);
-            self.tip[i].meets_next &= next == Some(self.tip[i].parameter);
-        }
-        // A single vertex is the tip of a sheet.
-        let joined: Vec<bool> = self.tip.iter().map(|point| point.is_joined).collect();
-        let mut i = 0;
-        self.tip.retain(|point| {
-            i += 1;
-            joined[i - 1] || (i > 1 && joined[i - 2]) || is_at_boundary(surface, point.vertex)
-        });
     }
+
+    /// Goes on from the other end of a slit that began in the body.
+    fn turn_about(&mut self) {
+        let ends = |tip: &[TipPoint]| [0, tip.len() - 1].map(|i| tip[i].vertex);
+        self.path.turn_about(ends(&self.start));
+        std::mem::swap(&mut self.tip, &mut self.start);
+        self.borders = Default::default();
+        self.back = None;
+    }
+}
+
+/// Removes the parts of a tip that other cuts have removed.
+fn remove_cut(tip: &mut Vec<TipPoint>, surface: &Surface) {
+    let topology = surface.topology();
+    tip.retain(|point| {
+        point.vertex.index() < topology.vertex_slots()
+            && !topology.outgoing(point.vertex).is_null()
+            && surface.rest_position(point.vertex) == point.rest
+    });
+    for i in 0..tip.len() {
+        let next = tip.get(i + 1).map(|next| next.vertex);
+        let own = tip[i].vertex;
+        tip[i].is_joined &= next.is_some_and(|next| topology.find_half_edge(own, next).is_some());
+    }
+    for i in 0..tip.len() {
+        let next = tip.get(i + 1).map(|next| next.parameter);
+        tip[i].meets_next &= next == Some(tip[i].parameter);
+    }
+    // A single vertex is the tip of a sheet.
+    let joined: Vec<bool> = tip.iter().map(|point| point.is_joined).collect();
+    let mut i = 0;
+    tip.retain(|point| {
+        i += 1;
+        joined[i - 1] || (i > 1 && joined[i - 2]) || is_at_boundary(surface, point.vertex)
+    });
 }
 
 /// Returns the length by which motion near edges of some length is measured \[m\].

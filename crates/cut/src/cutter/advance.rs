@@ -4,6 +4,7 @@ use super::Cutter;
 use crate::error::CutError;
 use crate::incision::{Approach, Extent, Incision, Step, StepSweep, motion_scale};
 use crate::intersection::continued_tip::ContinuedTip;
+use crate::intersection::facets::EdgeKind;
 use crate::intersection::trace::Outside;
 use crate::outcome::CutOutcome;
 use crate::params::CutParams;
@@ -185,12 +186,15 @@ impl Cutter {
                             stroke.present
                         };
                         let (facets, trace) = (&self.facets, &self.trace);
-                        let tip = (self.exact).tip(surface, facets, trace, &stroke.parameters);
+                        let parameters = &stroke.parameters;
+                        let [start, tip] = [EdgeKind::Previous, EdgeKind::Current]
+                            .map(|side| self.exact.tip(surface, facets, trace, parameters, side));
                         let copies = |v| self.exact.copies(trace, v);
                         let step = Step {
                             local: motion_scale(surface, trace.max_local()),
                             approach,
                             borders: self.exact.borders(facets, &tip),
+                            start,
                         };
                         incision.open_path(&step, copies, self.exact.rim_moves());
                         incision.finish_step(blade, tip, taken, &step);

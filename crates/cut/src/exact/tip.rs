@@ -22,22 +22,24 @@ struct Part<'a> {
 }
 
 impl Exact {
-    /// Returns the tip along the current edge of the last sweep, whose points have `parameters` on
-    /// the blade.
+    /// Returns the tip along the previous or the current edge of the last sweep, whose points have
+    /// `parameters` on the blade.
     pub(crate) fn tip(
         &self,
         surface: &Surface,
         facets: &Facets,
         trace: &Trace,
         parameters: &[f64],
+        side: EdgeKind,
     ) -> Vec<TipPoint> {
         let local = trace.max_local();
         let ends = ends_in_sheets(trace);
         let chains = self.chains.chains.iter();
         let chains = chains.map(|chain| (chain.edge, &self.chains.nodes[chain.nodes.clone()]));
         let ends = ends.iter().map(|(edge, end)| (*edge, end.as_slice()));
-        let current =
-            (chains.chain(ends)).filter(|&(edge, _)| facets.kind(edge) == EdgeKind::Current);
+        let own = chains
+            .chain(ends)
+            .filter(|&(edge, _)| facets.kind(edge) == side);
         let range = |edge: u32| {
             let pair = facets.pair_of(edge).unwrap_or_default() as usize;
             [parameters[pair], parameters[pair + 1]]
@@ -46,7 +48,7 @@ impl Exact {
             let [from, to] = range(edge);
             from + (to - from) * part_of(facets.ends(edge), surface.position(self.vertex(node)))
         };
-        let mut parts: Vec<Part<'_>> = current
+        let mut parts: Vec<Part<'_>> = own
             .map(|(edge, nodes)| Part {
                 parameter: parameter(edge, nodes[0]),
                 edge,

@@ -58,7 +58,7 @@ impl Incision {
             return Ok(None);
         }
         self.check_tip(surface);
-        if !self.is_inside() {
+        if !self.is_inside() && !self.turns_about(surface, blade) {
             return Ok(self.begin_entry(surface, blade, search, sheets));
         }
         let line: Vec<Vec3> = blade.iter().map(|&p| to_f64(p)).collect();
@@ -85,20 +85,28 @@ impl Incision {
             return Ok(None);
         }
         let is_ahead = is_ahead || closing.is_some();
-        if !is_ahead && self.goes_back(surface, blade) {
+        if !is_ahead && self.turns_about(surface, blade) {
+            return self.begin_step(surface, blade, search, sheets);
+        }
+        if !is_ahead && self.goes_back(surface, blade, is_outside) {
             self.take_pose(blade);
-            self.state = IncisionState::Inside;
+            self.state = if is_outside {
+                IncisionState::Abandoned
+            } else {
+                IncisionState::Inside
+            };
             return Ok(None);
         }
-        let was_out = self.state == IncisionState::Abandoned;
-        if is_outside && (was_out || !is_ahead) {
+        let was_off = self.state == IncisionState::Abandoned && self.back.is_none();
+        if is_outside && (was_off || !is_ahead) {
             self.take_pose(blade);
+            self.back = None;
             self.state = IncisionState::Abandoned;
             return Ok(None);
         }
         let width = PATH_WIDTH * self.local;
         let is_off = self.back.is_some() && !is_ahead && !self.passes_tip(surface, blade, width);
-        if was_out || is_off {
+        if was_off || is_off {
             self.leave();
             return Ok(Some(Approach::default()));
         }
@@ -106,7 +114,10 @@ impl Incision {
         if self.is_refused_at(&targets) {
             return Ok(None);
         }
-        let mut stands = standing(&leads, is_outside || closing.is_some());
+        let mut stands = match closing {
+            Some(_) => vec![false; leads.len()],
+            None => standing(&leads, is_outside),
+        };
         Ok(Some(Approach {
             offsets: free_standing(&leads, &tip, &mut stands, self.local),
             tip,
@@ -197,15 +208,28 @@ impl Incision {
     }
 
     /// Returns whether a blade is on its way through the body, behind the tip, and stores where.
-    fn goes_back(&mut self, surface: &Surface, blade: &[[f32; 3]]) -> bool {
+    fn goes_back(&mut self, surface: &Surface, blade: &[[f32; 3]], is_outside: bool) -> bool {
         let way = Way {
             back: self.back.unwrap_or(0.0),
             has_gaps: true,
-            goes_on: true,
+            goes_on: is_outside,
         };
         let found = self.find(surface, blade, way);
         self.back = found.or(self.back);
         found.is_some()
+    }
+
+    /// Goes on from the other end of a slit that began in the body, if the blade has moved back
+    /// beyond it. Returns whether it does.
+    fn turns_about(&mut self, surface: &Surface, blade: &[[f32; 3]]) -> bool {
+        let width = PATH_WIDTH * self.local;
+        let turns = self.back.is_some()
+            && !self.start.is_empty()
+            && self.path.is_before(surface, blade, width);
+        if turns {
+            self.turn_about();
+        }
+        turns
     }
 
     /// Moves a blade without a tip along its last way through the body, where nothing is left to

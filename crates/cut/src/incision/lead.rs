@@ -30,8 +30,9 @@ pub(super) struct Lead {
     /// Distance, and the part of it ahead [local edge lengths]; 0 beyond an end of the blade.
     pub(super) distance: f64,
     progress: f64,
-    /// Whether the blade is behind the vertex.
+    /// Whether the blade is behind the vertex, and the vertex beyond an end of the blade.
     is_behind: bool,
+    is_beyond: bool,
     /// The unit vector ahead; zero at the tip of a sheet.
     pub(super) ahead: Vec3,
 }
@@ -50,13 +51,14 @@ pub(super) fn is_ahead(leads: &[Lead]) -> bool {
 
 /// Returns which vertices of the tip keep their places.
 ///
-/// A vertex does if the blade is near or behind it. If the blade has turned back as a whole, only
-/// near vertices do. If it leaves the body or closes the cut, so that it `ends`, all vertices move.
-pub(super) fn standing(leads: &[Lead], ends: bool) -> Vec<bool> {
+/// A vertex does if it is beyond an end of the blade, or if the blade is near or behind it. If the
+/// blade has turned back as a whole, near vertices do and not those behind which it is. If it
+/// `leaves` the body, all move along which it is.
+pub(super) fn standing(leads: &[Lead], leaves: bool) -> Vec<bool> {
     let goes_on = |lead: &Lead| lead.distance >= MIN_STEP && !lead.is_behind;
     let has_turned = !leads.iter().any(goes_on);
-    let stands =
-        |lead: &Lead| !ends && (lead.distance < MIN_MOTION || (lead.is_behind && !has_turned));
+    let stays = |lead: &Lead| lead.distance < MIN_MOTION || (lead.is_behind && !has_turned);
+    let stands = |lead: &Lead| lead.is_beyond || (!leaves && stays(lead));
     leads.iter().map(stands).collect()
 }
 
@@ -124,6 +126,7 @@ impl Incision {
                 distance: scale * motion.norm(),
                 progress: scale * progress,
                 is_behind: progress < MIN_COSINE * motion.norm(),
+                is_beyond: beyond[i],
                 ahead: ahead.unwrap_or_default(),
             }
         };
@@ -171,8 +174,9 @@ impl Incision {
                 point.parameter = parameter;
             }
         }
+        // Vertices that stand need no room on the blade.
         let least = |i: usize| match i.checked_sub(1).map(|before| tip[before]) {
-            Some(before) if !before.meets_next => {
+            Some(before) if !before.meets_next && !beyond[i - 1] && !beyond[i] => {
                 let ends = [before, tip[i]].map(|p| map.vertex(surface, p.vertex));
                 MIN_SPACING * (ends[1] - ends[0]).norm() * last / chord.norm()
             }

@@ -225,16 +225,12 @@ impl Path {
             }
             let is_near = back.is_infinite() || segment.behind + segment.length >= back - reach;
             let is_used = is_near && (way.has_gaps || !segment.is_gap);
-            if is_used && segment.has(search.blade, [width; 2]) {
+            if is_used && segment.has(search.blade, [width; 2], way.goes_on) {
                 let parts = segment.parts(search.blade);
-                let is_beyond =
-                    |&part: &f64| (segment.enters && part < 0.0) || (segment.leaves && part > 1.0);
-                if !way.goes_on && parts.iter().any(is_beyond) {
-                    return None;
-                }
-                if found.is_none() || back.is_infinite() {
-                    let part = parts.map(|part| part.clamp(0.0, 1.0)).iter().sum::<f64>() / 2.0;
-                    found = Some(segment.behind + segment.length * (1.0 - part));
+                let part = parts.map(|part| part.clamp(0.0, 1.0)).iter().sum::<f64>() / 2.0;
+                found = Some(segment.behind + segment.length * (1.0 - part));
+                if back.is_finite() {
+                    break;
                 }
             }
         }
@@ -244,6 +240,28 @@ impl Path {
     /// Returns the way of an end of the tip in the last step \[m\].
     pub(super) fn last_way(&self, surface: &Surface, k: usize) -> Option<Vec3> {
         self.segments(surface).next().map(|segment| segment.way(k))
+    }
+
+    /// Returns whether a blade in the body is before the place where the way began there, by more
+    /// than `width` \[m\].
+    pub(super) fn is_before(&self, surface: &Surface, blade: &[[f32; 3]], width: f64) -> bool {
+        self.starts_inside
+            && self.segments(surface).last().is_some_and(|first| {
+                (first.parts(blade).iter()).all(|part| -part * first.length > width)
+            })
+    }
+
+    /// Exchanges its end for its start, which was in the body, at the ends of a tip there.
+    pub(super) fn turn_about(&mut self, start: [VertexId; 2]) {
+        let was_entry = |station: &Station| station.is_entry;
+        let entries: Vec<bool> = self.stations.iter().map(was_entry).collect();
+        self.starts_inside = self.ends_inside();
+        self.stations[0] = Station::of_tip(start);
+        self.stations.reverse();
+        // The step to an entry, in which nothing was cut, is now the one after it.
+        for (i, station) in self.stations.iter_mut().enumerate() {
+            station.is_entry = i > 0 && entries[entries.len() - i];
+        }
     }
 
     /// Returns whether a blade is nearer to the start of the way than to its end.
@@ -279,7 +297,7 @@ impl Path {
         let find = |line: &Vec<[f32; 3]>| {
             let is_there = |&i: &usize| {
                 let heights = arc_heights(&segments, i).map(|height| width + height);
-                segments[i].has(line, heights)
+                segments[i].has(line, heights, true)
             };
             (1..segments.len()).find(is_there)
         };

@@ -22,13 +22,19 @@ pub(super) struct Segment {
 impl Segment {
     /// Returns whether a blade is on it, up to `widths` at the ends of the tip \[m\].
     ///
-    /// An end of the way outside of the body goes on straight.
-    pub(super) fn has(&self, blade: &[[f32; 3]], widths: [f64; 2]) -> bool {
+    /// The way `goes_on` straight beyond its ends outside of the body, or it does not.
+    pub(super) fn has(&self, blade: &[[f32; 3]], widths: [f64; 2], goes_on: bool) -> bool {
         // The distances of the blade from the tip's ends change linearly along the way.
         let both = [self.from, self.to];
         let offsets = both.map(|ends| ends.map(|end| offset(blade, end.0)));
-        let earliest = if self.enters { f64::NEG_INFINITY } else { 0.0 };
-        let latest = if self.leaves { f64::INFINITY } else { 1.0 };
+        let goes_on = |is_outside: bool| {
+            if goes_on && is_outside {
+                f64::INFINITY
+            } else {
+                0.0
+            }
+        };
+        let (earliest, latest) = (-goes_on(self.enters), 1.0 + goes_on(self.leaves));
         let widths = both.map(|ends| [0, 1].map(|k| widths[k] + ends[k].1));
         come_within(offsets, [earliest, latest], widths)
     }

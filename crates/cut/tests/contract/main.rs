@@ -19,6 +19,7 @@ mod moved;
 mod open;
 mod pinched;
 mod progress;
+mod pulling;
 mod recut;
 mod rest;
 mod sheet;
