@@ -69,6 +69,20 @@ pub(crate) struct RimMove {
     pub(crate) part: f32,
 }
 
+impl RimMove {
+    /// Returns the move of a vertex along an edge onto its end, whose places are the same.
+    fn onto_end(surface: &Surface, along: HalfEdge) -> Self {
+        let topology = surface.topology();
+        let kept = topology.target(along);
+        Self {
+            gone: topology.origin(along),
+            kept,
+            other: kept,
+            part: 0.0,
+        }
+    }
+}
+
 /// The place of a cut: its rim and its own walls.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Around<'a> {

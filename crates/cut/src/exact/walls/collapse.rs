@@ -2,7 +2,7 @@
 
 use super::quality::{are_linked, quality_onto, sine};
 use super::star::{RingEdge, Star};
-use super::{MAX_OFFSET, Shape, Walls};
+use super::{MAX_OFFSET, RimMove, Shape, Walls};
 use crate::affine::AffineMap;
 use crate::sizing;
 use incise_mesh::geometry::to_f32;
@@ -15,8 +15,10 @@ use std::ops::Range;
 pub(super) struct Collapse {
     /// A vertex of the neighbor.
     pub(super) to: VertexId,
-    /// By vertex of the point, its half-edge to the neighbor; none if it moves there without one.
+    /// By vertex of the point, its half-edge to the neighbor.
     pub(super) along: SmallVec<[Option<HalfEdge>; 8]>,
+    /// Whether vertices without one move there as well.
+    pub(super) moves_all: bool,
 }
 
 impl Walls {
@@ -25,24 +27,20 @@ impl Walls {
         let surface = edit.surface();
         let mut star = std::mem::take(&mut self.star);
         let found = star.find(surface, shape, self.points.starts(point));
-        let best = if !found || star.copies.len() < 2 {
-            None
+        let best = if found {
+            empty_collapse(surface, shape, &star)
+                .or_else(|| best_collapse(surface, shape, &mut star))
         } else {
-            let own = shape
-                .rest
-                .bits(surface, surface.topology().origin(star.ring[0].h));
-            if let Some(target) = star.zero_collapse(surface, own) {
-                star.has_skin = false;
-                Some(target).filter(|target| are_linked(surface, &star, target))
-            } else if star.find_skin(own) {
-                best_collapse(surface, shape, &mut star)
-            } else {
-                None
-            }
+            None
         };
-        if let Some(target) = best.as_ref().filter(|_| star.has_skin) {
-            let moves = star.copies.iter().zip(target.along.iter().flatten());
-            let moves = moves.map(|(own, &along)| star.rim_move(edit.surface(), shape, own, along));
+        if let Some(target) = &best {
+            let along = star.copies.iter().zip(&target.along);
+            let along = along.filter_map(|(own, along)| Some((own, (*along)?)));
+            let moves = along.map(|(own, along)| match target.moves_all {
+                true if star.has_skin => star.rim_move(surface, shape, own, along),
+                true => None,
+                false => Some(RimMove::onto_end(surface, along)),
+            });
             self.moved.extend(moves.flatten());
         }
         let is_done = best.is_some_and(|target| self.apply(edit, shape, &star, &target));
@@ -61,9 +59,8 @@ impl Walls {
         target: &Collapse,
     ) -> bool {
         let surface = edit.surface();
-        let own = surface.topology().origin(star.ring[0].h);
-        let is_moved = shape.rest.bits(surface, own) != shape.rest.bits(surface, target.to);
-        let lone = (0..star.copies.len()).filter(|&copy| is_moved && target.along[copy].is_none());
+        let is_lone = |&copy: &usize| target.moves_all && target.along[copy].is_none();
+        let lone = (0..star.copies.len()).filter(is_lone);
         let lone: Vec<_> = lone
             .map(|copy| {
                 let places = target_places(surface, shape, star, target, copy);
@@ -181,9 +178,20 @@ fn moved_vertex(
     shape.in_order(rest, other)
 }
 
+/// Returns a valid collapse that removes edges without length or a pocket, see [`Star::pocket`].
+fn empty_collapse(surface: &Surface, shape: &Shape, star: &Star) -> Option<Collapse> {
+    let own = surface.topology().origin(star.ring.first()?.h);
+    let zeros = star.zero_collapses(surface, shape.rest.bits(surface, own));
+    let mut all = star.pocket(surface).into_iter().chain(zeros);
+    all.find(|target| are_linked(surface, star, target))
+}
+
 /// Returns the valid collapse that leaves the largest smallest angle.
 fn best_collapse(surface: &Surface, shape: &Shape, star: &mut Star) -> Option<Collapse> {
-    let own = surface.topology().origin(star.ring[0].h);
+    let own = surface.topology().origin(star.ring.first()?.h);
+    if star.copies.len() < 2 || !star.find_skin(shape.rest.bits(surface, own)) {
+        return None;
+    }
     let length = shape.target(surface, own)?;
     if star.has_skin && !sizing::is_made(surface, own) {
         return None;
@@ -199,6 +207,7 @@ fn best_collapse(surface: &Surface, shape: &Shape, star: &mut Star) -> Option<Co
         let mut target = Collapse {
             to: ends(ring(&own[0]).h)[1],
             along: smallvec![None; star.copies.len()],
+            moves_all: true,
         };
         let mut is_one_each = true;
         for i in own {

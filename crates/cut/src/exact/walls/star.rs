@@ -108,17 +108,27 @@ impl Star {
         })
     }
 
-    /// Returns the edges without length between vertices of the point `own`, which fill a segment
-    /// between the walls that meet there.
+    /// Iterates over collapses of edges without length between vertices of the point `own`: of all
+    /// together, and of each.
     ///
-    /// Rounding gives two points one place. None if an edge belongs to no complete segment.
-    pub(super) fn zero_collapse(&self, surface: &Surface, own: [u32; 3]) -> Option<Collapse> {
+    /// Rounding gives two points one place.
+    pub(super) fn zero_collapses<'a>(
+        &'a self,
+        surface: &'a Surface,
+        own: [u32; 3],
+    ) -> impl Iterator<Item = Collapse> + 'a {
         let topology = surface.topology();
-        let is_zero = |edge: &&RingEdge| {
-            let twin = topology.twin(edge.h);
-            edge.to == own && edge.h < twin
-        };
-        let mut zeros: Vec<RingEdge> = self.ring.iter().filter(is_zero).copied().collect();
+        let is_zero = |edge: &&RingEdge| edge.to == own && edge.h < topology.twin(edge.h);
+        let zeros: Vec<RingEdge> = self.ring.iter().filter(is_zero).copied().collect();
+        let all = self.joined(surface, &zeros);
+        let each = zeros.into_iter();
+        (all.into_iter()).chain(each.filter_map(move |edge| self.joined(surface, &[edge])))
+    }
+
+    /// Returns the collapse of edges without length, if each takes another vertex onto one that
+    /// stays.
+    fn joined(&self, surface: &Surface, edges: &[RingEdge]) -> Option<Collapse> {
+        let topology = surface.topology();
         let is_tip = |copy: u32| {
             let own = &self.ring[self.copies[copy as usize].clone()];
             own.iter().any(|edge| edge.left == edge.right)
@@ -129,58 +139,57 @@ impl Star {
                 (topology.origin(self.ring[own.start].h) == v).then_some(copy)
             })
         };
-        while let Some(first) = zeros.pop() {
-            let mut segment = vec![first];
-            let mut at = 0;
-            while at < segment.len() {
-                let apexes = [segment[at].left, segment[at].right];
-                at += 1;
-                let is_next = |other: &mut RingEdge| {
-                    apexes.contains(&other.left) || apexes.contains(&other.right)
-                };
-                segment.extend(zeros.extract_if(.., is_next));
+        // The end of more edges is kept.
+        let ends = |edge: &RingEdge| [topology.origin(edge.h), topology.target(edge.h)];
+        let degree = |v: VertexId| edges.iter().filter(|s| ends(s).contains(&v)).count();
+        let mut target = Collapse {
+            to: ends(edges.first()?)[0],
+            along: smallvec![None; self.copies.len()],
+            moves_all: false,
+        };
+        let mut kept = Vec::new();
+        for edge in edges {
+            let [from, to] = ends(edge);
+            let other = copy_of(to)?;
+            let tips = [is_tip(edge.copy), is_tip(other)];
+            if tips == [true, true] {
+                return None;
             }
-            let mut apexes: Vec<_> = segment.iter().flat_map(|s| [s.left, s.right]).collect();
-            apexes.sort_unstable();
-            let mut groups = apexes.chunk_by(|a, b| a == b);
-            if !groups.all(|group| group.len() % 2 == 0 && group[0] != own) {
-                continue;
-            }
-            // The end of more edges of the segment is kept.
-            let ends = |edge: &RingEdge| [topology.origin(edge.h), topology.target(edge.h)];
-            let degree = |v: VertexId| segment.iter().filter(|s| ends(s).contains(&v)).count();
-            let mut target = Collapse {
-                to: ends(&first)[0],
-                along: smallvec![None; self.copies.len()],
+            let is_forward = !tips[0] && (tips[1] || degree(from) <= degree(to));
+            let (copy, h, end) = if is_forward {
+                (edge.copy, edge.h, other)
+            } else {
+                (other, topology.twin(edge.h), edge.copy)
             };
-            let mut is_valid = true;
-            let mut kept = Vec::new();
-            for edge in &segment {
-                let [from, to] = ends(edge);
-                let Some(other) = copy_of(to) else {
-                    is_valid = false;
-                    break;
-                };
-                let tips = [is_tip(edge.copy), is_tip(other)];
-                let is_forward = !tips[0] && (tips[1] || degree(from) <= degree(to));
-                is_valid &= !(tips[0] && tips[1]);
-                let (copy, h, end) = if is_forward {
-                    (edge.copy, edge.h, other)
-                } else {
-                    (other, topology.twin(edge.h), edge.copy)
-                };
-                is_valid &= target.along[copy as usize].replace(h).is_none();
-                kept.push(end);
+            if target.along[copy as usize].replace(h).is_some() {
+                return None;
             }
-            if is_valid
-                && kept
-                    .iter()
-                    .all(|&copy| target.along[copy as usize].is_none())
-            {
-                return Some(target);
-            }
+            kept.push(end);
         }
-        None
+        let stays = |&copy: &u32| target.along[copy as usize].is_none();
+        kept.iter().all(stays).then_some(target)
+    }
+
+    /// Returns the edge from a vertex of the point to one of two neighbors at one place, if it has
+    /// three neighbors only. Others of the point stay.
+    ///
+    /// Of its triangles two coincide then, and the third has no area.
+    pub(super) fn pocket(&self, surface: &Surface) -> Option<Collapse> {
+        let topology = surface.topology();
+        let material = |edge: &RingEdge| surface.material(edge.h.triangle());
+        let edge = self.copies.iter().find_map(|own| {
+            let ring: &[RingEdge; 3] = self.ring[own.clone()].try_into().ok()?;
+            let is_alike = ring.iter().all(|edge| material(edge) == material(&ring[0]));
+            let is_double = |edge: &&RingEdge| edge.to == edge.left;
+            ring.iter().find(is_double).filter(|_| is_alike)
+        })?;
+        let mut along = smallvec![None; self.copies.len()];
+        along[edge.copy as usize] = Some(edge.h);
+        Some(Collapse {
+            to: topology.target(edge.h),
+            along,
+            moves_all: false,
+        })
     }
 
     /// Returns the rim's other edge at the vertex `own`, and the part of the way from the end of
