@@ -1,6 +1,6 @@
 //! Draws cuts that end inside. Above, they are opened by pulling at the body: five depths in one
 //! ball, a curved blade, a cross, and slits in cloth. Below are a cut through a body under tension,
-//! a plug, and fifty slits that cross.
+//! a plug, and fifty slits that cross with a section through them.
 //!
 //! ```sh
 //! cargo run --release -p incise-cli --example incisions -- incisions.png
@@ -41,13 +41,25 @@ fn main() -> Result<(), Box<dyn Error>> {
         .collect::<Result<_, _>>()?;
     let fifty = fifty_slits()?;
     let panels = [
-        ("(a) five depths", ball(&parallel, bend)?, [14.0, 38.0]),
-        ("(b) a curved blade", ball(&[curved], bend)?, [14.0, 38.0]),
-        ("(c) a cross", ball(&cross, widen)?, [14.0, 38.0]),
-        ("(d) slits in cloth", cloth()?, [17.0, 11.0]),
-        ("(e) a cut under tension", under_tension()?, [14.0, 38.0]),
-        ("(f) a plug, lifted", plug()?, [14.0, 24.0]),
-        ("(g) fifty slits", fifty.clone(), [14.0, 24.0]),
+        (
+            "(a) five depths",
+            vec![ball(&parallel, bend)?],
+            [14.0, 38.0],
+        ),
+        (
+            "(b) a curved blade",
+            vec![ball(&[curved], bend)?],
+            [14.0, 38.0],
+        ),
+        ("(c) a cross", vec![ball(&cross, widen)?], [14.0, 38.0]),
+        ("(d) slits in cloth", vec![cloth()?], [17.0, 11.0]),
+        (
+            "(e) a cut under tension",
+            vec![under_tension()?],
+            [14.0, 38.0],
+        ),
+        ("(f) a plug, lifted", vec![plug()?], [14.0, 24.0]),
+        ("(g) fifty slits", vec![fifty.clone()], [14.0, 24.0]),
         ("(h) the same, one half", half(fifty)?, [0.0, 8.0]),
     ];
     let context = Context::open(&AdapterRequest::any(None))?;
@@ -55,14 +67,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     let offscreen = Offscreen::new(&renderer, SIDE, SIDE)?;
     let mut grid = FigureGrid::new([SIDE; 2], 4, 2)?;
     grid.title(0, "incisions, opened by pulling at the sides");
-    grid.title(1, "incisions step by step");
-    for (number, (label, surface, angles)) in (0..).zip(&panels) {
-        let body = BodyView::from_surface(&renderer, surface, |t| {
-            let is_wall = surface.material(t) == CutParams::default().cap_material;
-            Some(if is_wall { WALL } else { SKIN })
-        })?;
+    grid.title(1, "a cut in motion, a plug, and slits that cross");
+    for (number, (label, surfaces, angles)) in (0..).zip(&panels) {
+        let body = |surface: &Surface| {
+            BodyView::from_surface(&renderer, surface, |t| {
+                let is_wall = surface.material(t) == CutParams::default().cap_material;
+                Some(if is_wall { WALL } else { SKIN })
+            })
+        };
+        let bodies = (surfaces.iter().map(body)).collect::<Result<Vec<_>, _>>()?;
         let [azimuth, elevation] = angles.map(f64::to_radians);
-        let corners = (surface.topology().vertices()).map(|v| surface.positions()[v.index()]);
+        let corners = surfaces.iter().flat_map(|surface| {
+            (surface.topology().vertices()).map(|v| surface.positions()[v.index()])
+        });
         let camera = Camera::from_angles(azimuth, elevation)
             .frame(corners.map(|[x, y, z, _]| [x, y, z]), 1.0);
         let view = View {
@@ -71,7 +88,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             ..View::from_camera(camera)
         };
         let content = DrawList {
-            bodies: &[&body],
+            bodies: &bodies.iter().collect::<Vec<_>>(),
             overlays: &[],
         };
         grid.put(
@@ -144,14 +161,17 @@ fn cloth() -> Result<Surface, Box<dyn Error>> {
 fn under_tension() -> Result<Surface, Box<dyn Error>> {
     let mut scene = Scene::new(SceneParams::default());
     scene.params.solver.gravity = [0.0; 3];
-    let body = scene.add_body(cube_sphere(16, RADIUS.into()), &Material::soft_body())?;
+    let body = scene.add_body(icosphere(3, RADIUS.into()), &Material::soft_body())?;
     pull(&mut scene, body, |at| {
-        (at.x.abs() > 0.4).then(|| Vec3::new(1.3 * at.x, at.y, at.z))
+        (at.x.abs() > 0.4).then(|| Vec3::new(1.6 * at.x, at.y, at.z))
     })?;
     let edge = |y: f32| [[0.01, y, -1.0], [0.01, y, 1.0]];
     let blade = scene.add_blade(edge(0.7));
     for frame in 1..=30u8 {
         scene.move_blade(blade, edge(0.7 - 0.7 * f32::from(frame) / 30.0))?;
+        scene.step()?;
+    }
+    for _ in 0..FRAMES[1] {
         scene.step()?;
     }
     scene.read_back(body)?;
@@ -202,15 +222,14 @@ fn fifty_slits() -> Result<Surface, Box<dyn Error>> {
     Ok(ball)
 }
 
-/// Returns the largest part of a ball behind its middle.
-fn half(mut ball: Surface) -> Result<Surface, Box<dyn Error>> {
+/// Returns the parts of a ball behind its middle.
+fn half(mut ball: Surface) -> Result<Vec<Surface>, Box<dyn Error>> {
     const HEIGHT: f64 = 0.013;
     let sweep = Sweep::from_plane([0.0, 0.0, 1.0], HEIGHT, &ball.bounds())?;
     let _ = Cutter::new(&ball).cut(&mut ball, &sweep, &CutParams::default())?;
-    let behind = ball.extract_pieces().map(|(_, piece)| piece);
-    let behind = behind.filter(|piece| f64::from(piece.bounds().max[2]) < HEIGHT + 1e-4);
-    let largest = behind.max_by_key(|piece| piece.topology().triangle_count());
-    largest.ok_or_else(|| "the ball is not cut in two".into())
+    let pieces = ball.extract_pieces().map(|(_, piece)| piece);
+    let behind = pieces.filter(|piece| f64::from(piece.bounds().max[2]) < HEIGHT + 1e-4);
+    Ok(behind.collect())
 }
 
 /// Cuts a surface, moves some of its vertices to their targets, and lets the rest follow.

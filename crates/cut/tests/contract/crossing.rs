@@ -1,8 +1,8 @@
 //! Slits that cross slits.
 
 use crate::common::{check, lattice_box, params, shortest_edge};
-use incise_cut::{Cutter, Incision};
-use incise_mesh::Surface;
+use incise_cut::{Cutter, Incision, Sweep};
+use incise_mesh::{Surface, cube_sphere, icosphere};
 
 /// A blade of two points at each of some poses.
 type Path<'a> = &'a [[[f32; 3]; 2]];
@@ -81,6 +81,51 @@ fn a_cut_across_a_slit_does_not_join_its_walls() {
                 let shortest = shortest_edge(&body);
                 assert!(shortest > 1e-4, "{cells} {depth} {place}: {shortest}");
             }
+        }
+    }
+}
+
+/// The walls, the tip and the blade at which points are one place lie in planes of symmetry.
+#[test]
+fn symmetric_slits_at_right_angles_leave_no_edge_without_length() {
+    let bodies = [
+        icosphere(2, 0.5),
+        icosphere(3, 0.5),
+        cube_sphere(1, 0.5),
+        cube_sphere(8, 0.5),
+    ];
+    for (k, whole) in bodies.iter().enumerate() {
+        for i in 0..12u8 {
+            let i = f32::from(i);
+            let (depth, offset) = (0.2 * (1.7 * i).sin(), 0.09 * (2.3 * i).cos());
+            let path = |steps: f32, to: f32| {
+                (0..=10u8).map(move |s| -0.6 + (0.6 + to) * f32::from(s).min(steps) / steps)
+            };
+            let slit: Vec<_> = path(7.0 + i % 3.0, depth)
+                .map(|z| [[0.0, -0.8, z], [0.0, 0.8, z]])
+                .collect();
+            let across: Vec<_> = path(10.0, 0.6)
+                .map(|z| [[-1.0, offset, z], [1.0, offset, z]])
+                .collect();
+            let mut body = whole.clone();
+            let refused = cut(&mut body, &[&slit, &across], 0.1);
+            assert_eq!(refused, 0, "body {k}, {i}");
+            assert!(shortest_edge(&body) > 0.0, "body {k}, {i}");
+        }
+    }
+}
+
+#[test]
+fn a_cross_on_the_skin_leaves_no_edge_without_length() {
+    for (n, place) in [(16, 0.01f32), (8, 0.0), (12, 0.03)] {
+        let mut body = cube_sphere(n, 0.5);
+        let mut cutter = Cutter::new(&body);
+        for edge in [[[-0.3, place], [0.3, place]], [[place, -0.3], [place, 0.3]]] {
+            let pose = |y: f32| edge.map(|[x, z]| [x, y, z]);
+            let sweep = Sweep::new(pose(1.0), pose(0.1)).unwrap();
+            let _ = cutter.incise(&mut body, &sweep, &params(0.1)).unwrap();
+            check(&body);
+            assert!(shortest_edge(&body) > 0.0, "{n} cells, {place}");
         }
     }
 }
