@@ -24,7 +24,7 @@ use incise_mesh::{Surface, Vec3, VertexId};
 use path::Path;
 pub(crate) use step_sweep::StepSweep;
 
-/// Motion of the blade after which the cut goes on [local edge lengths].
+/// Minimum motion of the blade for a step [local edge lengths].
 ///
 /// Smaller steps add up, so that walls do not get triangles far smaller than the surface's.
 const MIN_STEP: f64 = 0.5;
@@ -32,12 +32,12 @@ const MIN_STEP: f64 = 0.5;
 /// Minimum ratio of the local edge length of a step to that of the step before.
 const MIN_LOCAL_RATIO: f64 = 0.7;
 
-/// Maximum length by which motion is measured instead of edges [diagonals of the surface].
+/// Maximum of the edge length that scales motion [diagonals of the surface].
 ///
-/// Steps are half as long, so that a circle across a third of a coarse body takes twenty.
+/// A step is half of it, so that a circle across a third of a coarse body takes twenty.
 const MAX_LOCAL: f64 = 0.1;
 
-/// Distance from its path within which the blade moves back in its own slit [local edge lengths].
+/// Maximum distance of a retracting blade from its path [local edge lengths].
 const PATH_WIDTH: f64 = 0.25;
 
 /// A blade that moves through a surface from frame to frame, see [`crate::Cutter::advance`].
@@ -46,8 +46,8 @@ const PATH_WIDTH: f64 = 0.25;
 /// consists of vertices of the surface. They move with the body, and the next motion starts from
 /// them.
 ///
-/// A blade that moves back the way it came cuts nothing until it is at the tip again. Where it
-/// leaves that way, it cuts a branch.
+/// A blade that retracts along its path cuts nothing until it is at the tip again. Off the path it
+/// cuts a branch.
 ///
 /// The undo of a cut does not restore it: keep a clone from before each step and put that back, or
 /// call [`Self::restart`].
@@ -58,10 +58,10 @@ const PATH_WIDTH: f64 = 0.25;
 pub struct Incision {
     pose: Vec<[f32; 3]>,
     /// The blade at the last call without a tip. Its pose lags while it moves along its edge.
-    seen: Vec<[f32; 3]>,
+    last_blade: Vec<[f32; 3]>,
     tip: Vec<TipPoint>,
-    /// The other end of a slit that began in the body, at which it goes on to the other side.
-    start: Vec<TipPoint>,
+    /// The second tip of a slit that began in the body, from which the cut can continue.
+    start_tip: Vec<TipPoint>,
     path: Path,
     /// By end of the blade, the vertices behind it at which both walls meet, up to the tip.
     ///
@@ -86,11 +86,11 @@ pub enum IncisionState {
     /// Outside of the body, and it has cut nothing since it was inside.
     #[default]
     Outside,
-    /// At the tip of its cut in the body, or behind it on the way in, which begins outside.
+    /// Inside the body: at the tip of its cut, or behind it in its own slit.
     Inside,
-    /// Ahead of the tip, because the last step was refused. It is tried again from the same tip.
+    /// The last step was refused. The next one starts from the same tip or, without one, pose.
     Blocked,
-    /// Outside, and its cut is complete.
+    /// The cut is complete. The blade is outside, or in its own slit if that is closed.
     Finished,
     /// Outside, and the tip of its cut is in the body.
     Abandoned,
@@ -172,8 +172,8 @@ impl Incision {
 
     /// Ends the incision where it is; the next motion of the blade starts at `pose` \[m\].
     pub fn restart(&mut self, pose: &[[f32; 3]]) {
-        self.take_pose(pose);
-        self.see(pose);
+        self.store_pose(pose);
+        self.store_blade(pose);
         self.leave();
     }
 
@@ -185,7 +185,7 @@ impl Incision {
             IncisionState::Abandoned
         };
         self.leave_tip();
-        self.start.clear();
+        self.start_tip.clear();
         self.path.clear();
         self.back = None;
     }
@@ -203,28 +203,28 @@ impl Incision {
     /// For callers that skip calls while a blade is far from the body.
     pub fn resume(&mut self, pose: &[[f32; 3]]) {
         let waits = self.is_inside() || self.state == IncisionState::Blocked;
-        if !waits && self.seen != pose {
-            self.pass(pose);
+        if !waits && self.last_blade != pose {
+            self.move_without_cut(pose);
         }
     }
 
     /// Moves a blade without a tip to `pose` \[m\] without a cut.
-    pub(crate) fn pass(&mut self, pose: &[[f32; 3]]) {
-        self.take_pose(pose);
-        self.see(pose);
+    pub(crate) fn move_without_cut(&mut self, pose: &[[f32; 3]]) {
+        self.store_pose(pose);
+        self.store_blade(pose);
         self.leave_tip();
         self.back = None;
         self.state = IncisionState::Outside;
     }
 
     /// Stores the blade of a call.
-    fn see(&mut self, blade: &[[f32; 3]]) {
-        self.seen.clear();
-        self.seen.extend_from_slice(blade);
+    fn store_blade(&mut self, blade: &[[f32; 3]]) {
+        self.last_blade.clear();
+        self.last_blade.extend_from_slice(blade);
     }
 
     /// Stores the blade's pose.
-    fn take_pose(&mut self, blade: &[[f32; 3]]) {
+    fn store_pose(&mut self, blade: &[[f32; 3]]) {
         self.pose.clear();
         self.pose.extend_from_slice(blade);
     }
@@ -280,14 +280,14 @@ impl Incision {
         if self.tip.is_empty() {
             if self.back.is_none() || self.path.ends_inside() {
                 self.path.clear();
-                self.start.clone_from(&step.start);
+                self.start_tip.clone_from(&step.start);
             }
             self.path.enter(&self.pose, ends(&tip), *starts_inside);
             self.local = 0.0;
         }
         // Edges beside the tip are short, because the last step split them.
         self.local = step.local.max(self.local * MIN_LOCAL_RATIO);
-        self.take_pose(pose);
+        self.store_pose(pose);
         self.back = None;
         self.refused.clear();
         self.refused_steps = 0;
@@ -296,10 +296,10 @@ impl Incision {
             extend_border(border, &step.borders[k], end);
         }
         if tip.is_empty() {
-            self.see(pose);
+            self.store_blade(pose);
             self.state = IncisionState::Finished;
             if closing.is_some() {
-                self.start.clear();
+                self.start_tip.clear();
                 self.back = Some(0.0);
             } else {
                 self.path.leave(pose, ends(last));
@@ -314,7 +314,7 @@ impl Incision {
 
     /// Stores rest positions after a step in the rest shape.
     pub(crate) fn finish_exchange(&mut self, surface: &Surface) {
-        for point in self.tip.iter_mut().chain(&mut self.start) {
+        for point in self.tip.iter_mut().chain(&mut self.start_tip) {
             point.rest = surface.rest_position(point.vertex);
         }
     }
@@ -322,18 +322,18 @@ impl Incision {
     /// Removes the parts of the tip that other cuts have removed.
     fn check_tip(&mut self, surface: &Surface) {
         remove_cut(&mut self.tip, surface);
-        let count = self.start.len();
-        remove_cut(&mut self.start, surface);
-        if self.start.len() < count {
-            self.start.clear();
+        let count = self.start_tip.len();
+        remove_cut(&mut self.start_tip, surface);
+        if self.start_tip.len() < count {
+            self.start_tip.clear();
         }
     }
 
-    /// Goes on from the other end of a slit that began in the body.
-    fn turn_about(&mut self) {
+    /// Continues from the other tip of a slit that began in the body.
+    fn swap_tips(&mut self) {
         let ends = |tip: &[TipPoint]| [0, tip.len() - 1].map(|i| tip[i].vertex);
-        self.path.turn_about(ends(&self.start));
-        std::mem::swap(&mut self.tip, &mut self.start);
+        self.path.reverse(ends(&self.start_tip));
+        std::mem::swap(&mut self.tip, &mut self.start_tip);
         self.borders = Default::default();
         self.back = None;
     }

@@ -12,8 +12,10 @@ use crate::search::Search;
 use crate::sweep::Sweep;
 use incise_mesh::{Surface, index_u32};
 
-/// Rises of the sweep beside a tip, tried in turn until a step can be cut and starts outside the
-/// body, first up to the ends of the blade and then just beside the tip [local edge lengths].
+/// Rises of the sweep beside a tip, tried in order [local edge lengths].
+///
+/// The first step that can be cut and starts outside of the body is taken. Sweeps up to the ends of
+/// the blade are tried before those that end beside the tip.
 ///
 /// A high one keeps clear of a curved surface, a low one of another part of the body nearby.
 /// At 0 the sweep goes back to the blade's last pose.
@@ -35,18 +37,17 @@ pub(super) struct Continuation<'a> {
     pub(super) outside: Outside,
 }
 
-/// How a step is tried.
+/// The parameters of an attempt to cut a step.
 #[derive(Debug, Clone, Copy)]
 struct Attempt {
     extent: Extent,
     /// Whether the blade's previous edge may pierce the surface.
     ///
-    /// Not beside a tip, where that was outside: the body would be slit there as well, and a bridge
-    /// would be left between that slit and the tip.
+    /// Not beside a tip: the sweep would cut a second slit and leave a bridge to the first.
     may_start_inside: bool,
 }
 
-/// Returns how a step is tried in turn, from a tip or without one.
+/// Returns the attempts to cut a step, in order, from a tip or without one.
 fn attempts(has_tip: bool, is_entry_at_rest: bool) -> Vec<Attempt> {
     let attempt = |rise, is_bounded, may_start_inside| Attempt {
         extent: Extent { rise, is_bounded },
@@ -199,7 +200,7 @@ impl Cutter {
                         incision.open_path(&step, copies, self.exact.rim_moves());
                         incision.finish_step(blade, tip, taken, &step);
                     } else if !incision.is_inside() {
-                        incision.pass(blade);
+                        incision.move_without_cut(blade);
                     }
                     return Ok(outcome);
                 }

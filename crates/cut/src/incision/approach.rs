@@ -1,10 +1,10 @@
 //! [`Approach`]: whether and how a motion of the blade goes on from the tip.
 
 use super::closing::Closing;
-use super::lead::{MIN_MOTION, free_standing, has_moved, is_ahead, standing};
+use super::lead::{MIN_MOTION, has_moved, is_ahead, release_isolated, standing};
 use super::line::{offset, point_at};
 use super::map::{BladeMap, is_at_rest};
-use super::path::{PathSearch, Way};
+use super::path::{PathRange, PathSearch};
 use super::piercings::{Piercing, ends_in_body, is_pierced, piercings};
 use super::segment::come_within;
 use super::{Incision, IncisionState, PATH_WIDTH, TipPoint, motion_scale};
@@ -37,11 +37,14 @@ pub(crate) struct Approach {
 }
 
 impl Incision {
-    /// Returns how a motion to a new pose cuts, or none if it does not.
+    /// Returns how a motion to a new pose cuts, or none if it cuts nothing.
     ///
-    /// None for the first pose, for a motion that is too small or along the edge alone, for one
-    /// back along the path, for a blade that has left beside it, and for a step that was just
-    /// refused, and in folds of the skin only. `sheets` are the pieces without an inside.
+    /// `sheets` are the pieces without an inside. Nothing is cut by
+    /// - the first pose,
+    /// - a motion that is too short, or along the blade's edge alone,
+    /// - a motion back along the path, or out of the body beside it,
+    /// - a repetition of the step that was just refused,
+    /// - a blade that meets nothing but folds of the skin.
     ///
     /// # Errors
     /// [`CutError::PolylineLength`] and [`CutError::SweepNotFinite`].
@@ -58,7 +61,7 @@ impl Incision {
             return Ok(None);
         }
         self.check_tip(surface);
-        if !self.is_inside() && !self.turns_about(surface, blade) {
+        if !self.is_inside() && !self.try_swap_tips(surface, blade) {
             return Ok(self.begin_entry(surface, blade, search, sheets));
         }
         let line: Vec<Vec3> = blade.iter().map(|&p| to_f64(p)).collect();
@@ -81,15 +84,15 @@ impl Incision {
         if !has_moved(&leads) && !is_outside && closing.is_none() {
             return Ok(None);
         }
-        if is_ahead && closing.is_none() && self.returns(surface, &tip, blade) {
+        if is_ahead && closing.is_none() && self.finish_at_crossing(surface, &tip, blade) {
             return Ok(None);
         }
         let is_ahead = is_ahead || closing.is_some();
-        if !is_ahead && self.turns_about(surface, blade) {
+        if !is_ahead && self.try_swap_tips(surface, blade) {
             return self.begin_step(surface, blade, search, sheets);
         }
-        if !is_ahead && self.goes_back(surface, blade, is_outside) {
-            self.take_pose(blade);
+        if !is_ahead && self.try_retract(surface, blade, is_outside) {
+            self.store_pose(blade);
             self.state = if is_outside {
                 IncisionState::Abandoned
             } else {
@@ -99,7 +102,7 @@ impl Incision {
         }
         let was_off = self.state == IncisionState::Abandoned && self.back.is_none();
         if is_outside && (was_off || !is_ahead) {
-            self.take_pose(blade);
+            self.store_pose(blade);
             self.back = None;
             self.state = IncisionState::Abandoned;
             return Ok(None);
@@ -119,7 +122,7 @@ impl Incision {
             None => standing(&leads, is_outside),
         };
         Ok(Some(Approach {
-            offsets: free_standing(&leads, &tip, &mut stands, self.local),
+            offsets: release_isolated(&leads, &tip, &mut stands, self.local),
             tip,
             stands,
             ahead: leads.iter().map(|lead| lead.ahead).collect(),
@@ -139,14 +142,14 @@ impl Incision {
         search: &mut Search<'_>,
         sheets: &[bool],
     ) -> Option<Approach> {
-        self.see(blade);
+        self.store_blade(blade);
         let near = search.in_box(surface, &Aabb::around(blade.iter().copied()));
         let piercings = piercings(blade, surface, &near);
         let is_outside = || piercings.is_empty() && !is_in_body(surface, sheets, blade[0]);
-        if !self.path.is_empty() && self.retraces(surface, blade, is_outside()) {
+        if !self.path.is_empty() && self.try_retrace(surface, blade, is_outside()) {
             return None;
         }
-        if self.slide_pose(surface, blade, &near) {
+        if self.try_slide_pose(surface, blade, &near) {
             return None;
         }
         if piercings.is_empty() || is_at_rest(surface) {
@@ -165,11 +168,16 @@ impl Incision {
         })
     }
 
-    /// Moves the last pose along with a blade without a tip that moves along its edge near the
-    /// surface, up to [`MIN_MOTION`]. Returns whether it does.
+    /// Slides the last pose along with a blade that moves along its edge. Returns whether it does.
     ///
-    /// A stab has no width. It cuts once the blade moves across, from where it was stabbed in.
-    fn slide_pose(&mut self, surface: &Surface, blade: &[[f32; 3]], near: &[TriangleId]) -> bool {
+    /// For blades without a tip that move across by less than [`MIN_MOTION`] near the surface. A
+    /// stab has no width: it cuts from where it went in, once the blade moves across.
+    fn try_slide_pose(
+        &mut self,
+        surface: &Surface,
+        blade: &[[f32; 3]],
+        near: &[TriangleId],
+    ) -> bool {
         if near.is_empty() {
             return false;
         }
@@ -194,69 +202,79 @@ impl Incision {
         is_pierced(&line, surface, &near)
     }
 
-    /// Returns where a blade is on its way through the body, see [`Path::find`].
-    fn find(&self, surface: &Surface, blade: &[[f32; 3]], way: Way) -> Option<f64> {
+    /// Returns where a blade is on its path, see [`Path::find`].
+    fn find(&self, surface: &Surface, blade: &[[f32; 3]], range: PathRange) -> Option<f64> {
         let moved = self.pose.iter().zip(blade);
         let moved = moved.map(|(&p, &q)| (to_f64(q) - to_f64(p)).norm());
         let search = PathSearch {
             blade,
             motion: moved.fold(0.0, f64::max),
             width: PATH_WIDTH * self.local,
-            way,
+            range,
         };
         self.path.find(surface, &search)
     }
 
-    /// Returns whether a blade is on its way through the body, behind the tip, and stores where.
-    fn goes_back(&mut self, surface: &Surface, blade: &[[f32; 3]], is_outside: bool) -> bool {
-        let way = Way {
-            back: self.back.unwrap_or(0.0),
+    /// Retracts a blade along its path, behind the tip. Returns whether it is there.
+    fn try_retract(&mut self, surface: &Surface, blade: &[[f32; 3]], is_outside: bool) -> bool {
+        let range = PathRange {
+            behind: self.back.unwrap_or(0.0),
             has_gaps: true,
-            goes_on: is_outside,
+            extends: is_outside,
         };
-        let found = self.find(surface, blade, way);
+        let found = self.find(surface, blade, range);
         self.back = found.or(self.back);
         found.is_some()
     }
 
-    /// Goes on from the other end of a slit that began in the body, if the blade has moved back
-    /// beyond it. Returns whether it does.
-    fn turns_about(&mut self, surface: &Surface, blade: &[[f32; 3]]) -> bool {
+    /// Continues from the other tip of a slit, if the blade has moved back beyond it.
+    ///
+    /// Returns whether it does. The slit must have begun in the body.
+    fn try_swap_tips(&mut self, surface: &Surface, blade: &[[f32; 3]]) -> bool {
         let width = PATH_WIDTH * self.local;
         let turns = self.back.is_some()
-            && !self.start.is_empty()
+            && !self.start_tip.is_empty()
             && self.path.is_before(surface, blade, width);
         if turns {
-            self.turn_about();
+            self.swap_tips();
         }
         turns
     }
 
-    /// Moves a blade without a tip along its last way through the body, where nothing is left to
-    /// cut. Returns whether it stays there.
-    fn retraces(&mut self, surface: &Surface, blade: &[[f32; 3]], is_outside: bool) -> bool {
-        let way = |back: f64, has_gaps: bool, goes_on: bool| Way {
-            back,
-            has_gaps,
-            goes_on,
+    /// Moves a blade without a tip along its last path, where nothing is left to cut.
+    ///
+    /// Returns whether it stays there.
+    fn try_retrace(&mut self, surface: &Surface, blade: &[[f32; 3]], is_outside: bool) -> bool {
+        let anywhere = PathRange {
+            behind: f64::INFINITY,
+            has_gaps: true,
+            extends: true,
         };
         let before = self.back;
-        let before =
-            before.or_else(|| self.find(surface, &self.pose, way(f64::INFINITY, true, true)));
-        let Some(back) = before else {
+        let before = before.or_else(|| self.find(surface, &self.pose, anywhere));
+        let Some(behind) = before else {
             return false;
         };
-        let mut found = self.find(surface, blade, way(back, is_outside, false));
+        let cut = PathRange {
+            behind,
+            has_gaps: is_outside,
+            extends: false,
+        };
+        let mut found = self.find(surface, blade, cut);
         if is_outside || self.path.ends_inside() {
-            // The way of a cut that is closed goes on at its start.
-            let anywhere = way(f64::INFINITY, is_outside, false);
-            found = found.or_else(|| self.find(surface, blade, anywhere));
+            // The path of a cut that is closed goes on at its start.
+            let from_start = PathRange {
+                behind: f64::INFINITY,
+                ..cut
+            };
+            found = found.or_else(|| self.find(surface, blade, from_start));
         }
         let [was_early, is_early] =
             [&self.pose, blade].map(|pose| self.path.is_nearer_start(surface, pose));
         let leaves = is_outside && (self.back.is_some() || was_early != is_early);
-        if found.is_none() && leaves && self.find(surface, blade, way(back, true, true)).is_some() {
-            self.pass(blade);
+        let near = PathRange { behind, ..anywhere };
+        if found.is_none() && leaves && self.find(surface, blade, near).is_some() {
+            self.move_without_cut(blade);
             return true;
         }
         self.back = found.or(before);
@@ -264,16 +282,20 @@ impl Incision {
             if is_outside && self.pose != blade {
                 self.state = IncisionState::Outside;
             }
-            self.take_pose(blade);
+            self.store_pose(blade);
         }
         found.is_some()
     }
 
-    /// Ends the cut at its tip if that has crossed the way of the blade and the sweep from there to
-    /// a new pose is along that way, where the body is cut. Returns whether it does.
+    /// Ends the cut if its tip has crossed the path and the next sweep stays on the path.
     ///
-    /// `tip` has parameters of the new pose.
-    fn returns(&mut self, surface: &Surface, tip: &[TipPoint], blade: &[[f32; 3]]) -> bool {
+    /// Returns whether it does. `tip` has parameters of the new pose.
+    fn finish_at_crossing(
+        &mut self,
+        surface: &Surface,
+        tip: &[TipPoint],
+        blade: &[[f32; 3]],
+    ) -> bool {
         if tip.len() < 2 {
             return false;
         }
@@ -287,18 +309,18 @@ impl Incision {
             points.collect()
         });
         let width = MAX_OFFSET * self.local;
-        let Some(back) = self.path.find_again(surface, &lines, width) else {
+        let Some(back) = self.path.find_recrossing(surface, &lines, width) else {
             return false;
         };
         self.leave_tip();
-        self.take_pose(blade);
-        self.see(blade);
+        self.store_pose(blade);
+        self.store_blade(blade);
         self.state = IncisionState::Finished;
         self.back = Some(back);
         true
     }
 
-    /// Returns whether the last step to these positions of the tip was refused \[m\].
+    /// Returns whether the last step to these positions \[m\] of the tip was refused.
     fn is_refused_at(&self, targets: &[Vec3]) -> bool {
         let is_near = |(a, b): (&Vec3, &Vec3)| (a - b).norm() < MIN_MOTION * self.local;
         self.refused.len() == targets.len()
@@ -317,7 +339,7 @@ impl Incision {
         self.state = IncisionState::Blocked;
     }
 
-    /// Returns whether the blade is at the tip on its way to a new pose, up to `width` \[m\].
+    /// Returns whether the blade passes the tip in its motion to a new pose, up to `width` \[m\].
     fn passes_tip(&self, surface: &Surface, blade: &[[f32; 3]], width: f64) -> bool {
         let ends = [self.tip[0], self.tip[self.tip.len() - 1]];
         let off = |pose: &[[f32; 3]]| ends.map(|end| offset(pose, surface.position(end.vertex)));

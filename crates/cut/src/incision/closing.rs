@@ -1,10 +1,10 @@
-//! [`Closing`]: a step that closes a cut at the place where it began.
+//! [`Closing`]: the last step of a closed cut, which joins the start of its own slit.
 
 use super::columns::Column;
 use super::lead::{Lead, MIN_MOTION};
 use super::line::offset;
 use super::map::BladeMap;
-use super::segment::arc_height;
+use super::segment::sagitta;
 use super::{Incision, MIN_STEP, TipPoint};
 use incise_mesh::geometry::{to_f32, to_f64};
 use incise_mesh::{Surface, Vec3, VertexId};
@@ -66,7 +66,9 @@ impl Incision {
             level += 1;
         }
         let own: Vec<Passing> = border[..level].iter().map(|&v| passing(v)).collect();
-        let turn = self.path.last_way(surface, usize::from(first_is_inner));
+        let turn = self
+            .path
+            .last_displacement(surface, usize::from(first_is_inner));
         let turn = turn.map_or(0.0, |way| way.angle(&own[0].way));
         let part = common_part(&own);
         let ahead: Vec3 = leads.iter().map(|lead| lead.ahead).sum();
@@ -74,7 +76,7 @@ impl Incision {
         let progress = |passing: &Passing| passing.from_tip.dot(&ahead);
         // The blade moves on an arc above its step.
         let excess = |p: &Passing| {
-            let height = arc_height(p.way.norm(), turn);
+            let height = sagitta(p.way.norm(), turn);
             (p.distance(part) - height).max(0.0)
         };
         let squares: f64 = own.iter().map(|passing| excess(passing).powi(2)).sum();

@@ -22,8 +22,7 @@ pub(super) const MAX_WIDENING: f64 = 0.2;
 /// Maximum gap between walls that the tip crosses at one point [local edge lengths].
 const MAX_GAP: f64 = 1e-3;
 
-/// Maximum distance of a point of the blade from the tip, or from a straight blade without it, that
-/// takes its place [local edge lengths].
+/// Distance up to which a bend of the blade is one with the tip, or none [local edge lengths].
 const MAX_TIP_DISTANCE: f64 = 1e-3;
 
 /// Minimum distance of a point of the sweep from the surface, along the blade [local edge lengths].

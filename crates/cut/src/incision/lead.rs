@@ -51,9 +51,9 @@ pub(super) fn is_ahead(leads: &[Lead]) -> bool {
 
 /// Returns which vertices of the tip keep their places.
 ///
-/// A vertex does if it is beyond an end of the blade, or if the blade is near or behind it. If the
-/// blade has turned back as a whole, near vertices do and not those behind which it is. If it
-/// `leaves` the body, all move along which it is.
+/// Vertices beyond the blade's ends do, and those that the blade is near or behind. A blade that
+/// has turned back as a whole moves those that it is behind. One that `leaves` the body moves all
+/// that are not beyond its ends.
 pub(super) fn standing(leads: &[Lead], leaves: bool) -> Vec<bool> {
     let goes_on = |lead: &Lead| lead.distance >= MIN_STEP && !lead.is_behind;
     let has_turned = !leads.iter().any(goes_on);
@@ -62,12 +62,12 @@ pub(super) fn standing(leads: &[Lead], leaves: bool) -> Vec<bool> {
     leads.iter().map(stands).collect()
 }
 
-/// Moves vertices that cannot stand ahead by [`MIN_MOTION`].
+/// Releases single standing vertices and moves them ahead by [`MIN_MOTION`].
 ///
 /// Returns the displacement of each vertex from the blade \[m\]; `local` is the edge length \[m\].
 /// Walls stay joined at a vertex that stands. Alone between two that move, it would turn the tip
 /// back. Beside an end in the body that moves, the edge between both could not be opened.
-pub(super) fn free_standing(
+pub(super) fn release_isolated(
     leads: &[Lead],
     tip: &[TipPoint],
     stands: &mut [bool],

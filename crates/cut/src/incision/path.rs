@@ -1,21 +1,21 @@
-//! [`Path`]: the way of a blade through a body, on which it may move back without a cut.
+//! [`Path`]: the path of a blade through a body, along which it may retract without a cut.
 
 use super::line::{offset, point_at};
-use super::segment::{Segment, arc_heights, length};
+use super::segment::{Segment, length, sagittas};
 use crate::exact::RimMove;
 use incise_mesh::geometry::{to_f32, to_f64};
 use incise_mesh::{Surface, Vec3, VertexId};
 
-/// The way of a blade through a body, since it was off its way the last time.
+/// The path of a blade through a body, since it last left its path.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Path {
     stations: Vec<Station>,
-    /// Whether it begins with a blade in the body, in front of which nothing is cut.
+    /// Whether it starts inside the body, with uncut material behind its first station.
     starts_inside: bool,
 }
 
-/// A line across the way: the ends of a tip, or points of a blade at the ends of the cut.
+/// A line across the path: the ends of a tip, or points of a blade at the ends of the cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Station {
@@ -34,26 +34,26 @@ enum PathPoint {
     Rim([RimPoint; 2]),
 }
 
-/// A pose that may be on the way, see [`Path::find`].
+/// A pose that may be on the path, see [`Path::find`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PathSearch<'a> {
     pub(super) blade: &'a [[f32; 3]],
     /// Motion of the blade from the place where it was \[m\].
     pub(super) motion: f64,
-    /// Maximum distance from the way between coincident walls \[m\].
+    /// Maximum distance from the path between coincident walls \[m\].
     pub(super) width: f64,
-    pub(super) way: Way,
+    pub(super) range: PathRange,
 }
 
-/// The parts of a way on which a blade may be.
+/// The part of a path that a search covers.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Way {
-    /// How far behind the end of the way the blade was \[m\].
-    pub(super) back: f64,
-    /// Whether they include steps outside of the body, in which nothing was cut.
+pub(super) struct PathRange {
+    /// Distance of the blade behind the end of the path before \[m\].
+    pub(super) behind: f64,
+    /// Whether it includes steps outside of the body, in which nothing was cut.
     pub(super) has_gaps: bool,
-    /// Whether the way goes on straight beyond its ends outside of the body.
-    pub(super) goes_on: bool,
+    /// Whether the path continues straight beyond its ends outside of the body.
+    pub(super) extends: bool,
 }
 
 /// A point of a rim, between two of its vertices.
@@ -209,27 +209,27 @@ impl Path {
         }
     }
 
-    /// Returns how far behind the end of the way a blade is, if it is there, up to a width and the
-    /// distance of the walls \[m\].
+    /// Returns the distance of a blade behind the end of the path \[m\], or none off the path.
     ///
-    /// A blade that has moved by a distance cannot be where the way crosses itself. If it was
-    /// infinitely far back, it is at the place nearest to the start.
+    /// The blade is on the path up to a width and the distance of the walls. A motion too short for
+    /// another lap excludes places where the path crosses itself. If the blade was infinitely far
+    /// behind, the place nearest to the start is returned.
     pub(super) fn find(&self, surface: &Surface, search: &PathSearch<'_>) -> Option<f64> {
-        let PathSearch { width, way, .. } = *search;
-        let back = way.back;
+        let PathSearch { width, range, .. } = *search;
+        let before = range.behind;
         let reach = 2.0 * (search.motion + width);
         let mut found = None;
         for segment in self.segments(surface) {
-            if segment.behind > back + reach {
+            if segment.behind > before + reach {
                 break;
             }
-            let is_near = back.is_infinite() || segment.behind + segment.length >= back - reach;
-            let is_used = is_near && (way.has_gaps || !segment.is_gap);
-            if is_used && segment.has(search.blade, [width; 2], way.goes_on) {
+            let is_near = before.is_infinite() || segment.behind + segment.length >= before - reach;
+            let is_used = is_near && (range.has_gaps || !segment.is_gap);
+            if is_used && segment.has(search.blade, [width; 2], range.extends) {
                 let parts = segment.parts(search.blade);
                 let part = parts.map(|part| part.clamp(0.0, 1.0)).iter().sum::<f64>() / 2.0;
                 found = Some(segment.behind + segment.length * (1.0 - part));
-                if back.is_finite() {
+                if before.is_finite() {
                     break;
                 }
             }
@@ -237,13 +237,15 @@ impl Path {
         found
     }
 
-    /// Returns the way of an end of the tip in the last step \[m\].
-    pub(super) fn last_way(&self, surface: &Surface, k: usize) -> Option<Vec3> {
-        self.segments(surface).next().map(|segment| segment.way(k))
+    /// Returns the displacement of an end of the tip in the last step \[m\].
+    pub(super) fn last_displacement(&self, surface: &Surface, k: usize) -> Option<Vec3> {
+        self.segments(surface)
+            .next()
+            .map(|segment| segment.displacement(k))
     }
 
-    /// Returns whether a blade in the body is before the place where the way began there, by more
-    /// than `width` \[m\].
+    /// Returns whether a blade is before the start of a path in the body, by more than `width`
+    /// \[m\].
     pub(super) fn is_before(&self, surface: &Surface, blade: &[[f32; 3]], width: f64) -> bool {
         self.starts_inside
             && self.segments(surface).last().is_some_and(|first| {
@@ -251,8 +253,8 @@ impl Path {
             })
     }
 
-    /// Exchanges its end for its start, which was in the body, at the ends of a tip there.
-    pub(super) fn turn_about(&mut self, start: [VertexId; 2]) {
+    /// Reverses the path, which started in the body at the ends of a tip.
+    pub(super) fn reverse(&mut self, start: [VertexId; 2]) {
         let was_entry = |station: &Station| station.is_entry;
         let entries: Vec<bool> = self.stations.iter().map(was_entry).collect();
         self.starts_inside = self.ends_inside();
@@ -264,7 +266,7 @@ impl Path {
         }
     }
 
-    /// Returns whether a blade is nearer to the start of the way than to its end.
+    /// Returns whether a blade is nearer to the start of the path than to its end.
     pub(super) fn is_nearer_start(&self, surface: &Surface, blade: &[[f32; 3]]) -> bool {
         let distance = |station: Option<&Station>| -> f64 {
             let ends = station.iter().flat_map(|station| &station.ends);
@@ -274,12 +276,11 @@ impl Path {
         distance(self.stations.first()) < distance(self.stations.last())
     }
 
-    /// Returns how far behind the tip the last of some lines is, if the last step has crossed the
-    /// way before it and each line is there \[m\].
+    /// Returns the distance of the last line behind the tip, if all lines are on the path \[m\].
     ///
-    /// Lines are there up to `width` \[m\], the distance of the walls, and the height of the arc
-    /// on which the blade has moved above its step.
-    pub(super) fn find_again(
+    /// None unless the last step crosses an earlier one. A line is on the path up to `width` \[m\],
+    /// the distance of the walls, and the sagitta of the blade's arc.
+    pub(super) fn find_recrossing(
         &self,
         surface: &Surface,
         lines: &[Vec<[f32; 3]>],
@@ -296,7 +297,7 @@ impl Path {
         }
         let find = |line: &Vec<[f32; 3]>| {
             let is_there = |&i: &usize| {
-                let heights = arc_heights(&segments, i).map(|height| width + height);
+                let heights = sagittas(&segments, i).map(|height| width + height);
                 segments[i].has(line, heights, true)
             };
             (1..segments.len()).find(is_there)
@@ -305,7 +306,7 @@ impl Path {
         places.last().map(|&i| segments[i].behind)
     }
 
-    /// Iterates over the steps of the way, from its end to the start.
+    /// Iterates over the steps of the path, from its end to the start.
     fn segments<'a>(&'a self, surface: &'a Surface) -> impl Iterator<Item = Segment> + 'a {
         let slots = surface.topology().vertex_slots();
         let is_known = move |end: &PathPoint| match end {

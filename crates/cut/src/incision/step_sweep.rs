@@ -10,8 +10,9 @@ use crate::sweep::Sweep;
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{HalfEdge, Surface, Vec3, VertexId, index_u32};
 
-/// Displacements of the front ahead of a blade that has left the body, and back from one that
-/// enters, tried in turn until the sweep ends, or begins, outside as well [local edge lengths].
+/// Displacements of the sweep's free edge out of the body, tried in order [local edge lengths].
+///
+/// Ahead of a blade that leaves the body, and behind one that enters it.
 ///
 /// In the rest shape the blade's place is known up to second order in its motion.
 pub(super) const REACHES: [f64; 5] = [0.0, 0.125, 0.25, 0.5, 1.0];
@@ -51,7 +52,7 @@ impl Incision {
         let sweep = match sweep {
             Err(CutError::BladeDegenerate) => {
                 if !self.is_inside() {
-                    self.pass(blade);
+                    self.move_without_cut(blade);
                 }
                 return Ok(None);
             }

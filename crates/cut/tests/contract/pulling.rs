@@ -100,8 +100,9 @@ impl Trial {
 }
 
 proptest! {
-    /// A blade that is pulled out along its edge, nearly, cuts no further than it moves across. It
-    /// has not cut through, even if its end was on the other side of the body.
+    /// A blade that is pulled out almost along its edge abandons its cut.
+    ///
+    /// Its walls are no larger than its motion across, even if its end had passed the body.
     #[test]
     fn a_blade_that_is_pulled_out_abandons_its_cut(
         number in 0u8..5,

@@ -1,5 +1,4 @@
-//! Strokes through bodies whose slit gapes behind the blade: none is refused, and each parts the
-//! body.
+//! Strokes through stretched bodies: slits that gape behind the blade, and skin in folds.
 
 use crate::common::{check, params};
 use incise_cut::{CutError, Cutter, Incision};

@@ -1,4 +1,4 @@
-//! Collapses a point of the walls onto a neighbor, on all walls that meet there.
+//! Collapses coincident wall vertices onto a neighbor, on all walls that meet there.
 
 use super::quality::{are_linked, quality_onto, sine};
 use super::star::{RingEdge, Star};
@@ -28,7 +28,7 @@ impl Walls {
         let mut star = std::mem::take(&mut self.star);
         let found = star.find(surface, shape, self.points.starts(point));
         let best = if found {
-            empty_collapse(surface, shape, &star)
+            degenerate_collapse(surface, shape, &star)
                 .or_else(|| best_collapse(surface, shape, &mut star))
         } else {
             None
@@ -178,10 +178,10 @@ fn moved_vertex(
     shape.in_order(rest, other)
 }
 
-/// Returns a valid collapse that removes edges without length or a pocket, see [`Star::pocket`].
-fn empty_collapse(surface: &Surface, shape: &Shape, star: &Star) -> Option<Collapse> {
+/// Returns a valid collapse that removes triangles without area, see [`Star::pocket`].
+fn degenerate_collapse(surface: &Surface, shape: &Shape, star: &Star) -> Option<Collapse> {
     let own = surface.topology().origin(star.ring.first()?.h);
-    let zeros = star.zero_collapses(surface, shape.rest.bits(surface, own));
+    let zeros = star.zero_length_collapses(surface, shape.rest.bits(surface, own));
     let mut all = star.pocket(surface).into_iter().chain(zeros);
     all.find(|target| are_linked(surface, star, target))
 }

@@ -1,4 +1,4 @@
-//! The triangles around a point of the walls.
+//! The triangles around a point: all wall vertices with one rest position.
 
 use super::collapse::Collapse;
 use super::{MAX_OFFSET, RimMove, Shape};
@@ -108,11 +108,11 @@ impl Star {
         })
     }
 
-    /// Iterates over collapses of edges without length between vertices of the point `own`: of all
-    /// together, and of each.
+    /// Iterates over collapses of the zero-length edges at the point `own`.
     ///
-    /// Rounding gives two points one place.
-    pub(super) fn zero_collapses<'a>(
+    /// First of all edges together, then of each alone. They connect vertices that rounding has
+    /// given one position.
+    pub(super) fn zero_length_collapses<'a>(
         &'a self,
         surface: &'a Surface,
         own: [u32; 3],
@@ -125,8 +125,7 @@ impl Star {
         (all.into_iter()).chain(each.filter_map(move |edge| self.joined(surface, &[edge])))
     }
 
-    /// Returns the collapse of edges without length, if each takes another vertex onto one that
-    /// stays.
+    /// Returns the collapse of zero-length edges, if each takes another vertex onto one that stays.
     fn joined(&self, surface: &Surface, edges: &[RingEdge]) -> Option<Collapse> {
         let topology = surface.topology();
         let is_tip = |copy: u32| {
@@ -170,10 +169,9 @@ impl Star {
         kept.iter().all(stays).then_some(target)
     }
 
-    /// Returns the edge from a vertex of the point to one of two neighbors at one place, if it has
-    /// three neighbors only. Others of the point stay.
+    /// Returns the collapse of a vertex with three neighbors, two of which have one position.
     ///
-    /// Of its triangles two coincide then, and the third has no area.
+    /// Two of its triangles coincide, and the third has no area. Other vertices of the point stay.
     pub(super) fn pocket(&self, surface: &Surface) -> Option<Collapse> {
         let topology = surface.topology();
         let material = |edge: &RingEdge| surface.material(edge.h.triangle());
