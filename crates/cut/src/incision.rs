@@ -265,8 +265,9 @@ impl Incision {
             starts_inside,
             ..
         } = step.approach;
-        // Where a blade has left, vertices that stand are beyond its ends, and its tip no longer.
-        let tip = if *leaves {
+        // Where a blade has cut through, vertices that stand are beyond its ends, and no longer of
+        // its tip.
+        let tip = if *leaves && moved.is_empty() {
             moved
         } else {
             with_standing(moved, last, stands)
@@ -305,7 +306,12 @@ impl Incision {
                 self.path.leave(pose, ends(last));
             }
         } else {
-            self.state = IncisionState::Inside;
+            self.state = if *leaves {
+                self.back = Some(0.0);
+                IncisionState::Abandoned
+            } else {
+                IncisionState::Inside
+            };
             self.path.push([0, tip.len() - 1].map(|i| tip[i].vertex));
         }
         self.tip = tip;

@@ -1,7 +1,7 @@
 //! [`Approach`]: whether and how a motion of the blade goes on from the tip.
 
 use super::closing::Closing;
-use super::lead::{MIN_MOTION, has_moved, is_ahead, release_isolated, standing};
+use super::lead::{MIN_MOTION, cuts, has_moved, is_ahead, is_at_tip, release_isolated, standing};
 use super::line::{offset, point_at};
 use super::map::{BladeMap, is_at_rest};
 use super::path::{PathRange, PathSearch};
@@ -82,7 +82,16 @@ impl Incision {
         let is_ahead = is_ahead(&leads);
         let closing = self.closing(surface, &map, &leads, blade);
         if !has_moved(&leads) && !is_outside && closing.is_none() {
-            return Ok(None);
+            if self.state != IncisionState::Abandoned {
+                return Ok(None);
+            }
+            // The blade was put in again.
+            if is_at_tip(&leads) {
+                self.store_pose(&self.slid_to_tip(surface, blade));
+                self.state = IncisionState::Inside;
+                self.back = None;
+                return Ok(None);
+            }
         }
         if is_ahead && closing.is_none() && self.finish_at_crossing(surface, &tip, blade) {
             return Ok(None);
@@ -101,7 +110,7 @@ impl Incision {
             return Ok(None);
         }
         let was_off = self.state == IncisionState::Abandoned && self.back.is_none();
-        if is_outside && (was_off || !is_ahead) {
+        if is_outside && (was_off || !cuts(&leads)) {
             self.store_pose(blade);
             self.back = None;
             self.state = IncisionState::Abandoned;
@@ -318,6 +327,20 @@ impl Incision {
         self.state = IncisionState::Finished;
         self.back = Some(back);
         true
+    }
+
+    /// Returns a pose at the tip, slid along the blade's edge to where it was when it cut there.
+    ///
+    /// A blade that is put in again has another part of its edge at the tip.
+    fn slid_to_tip(&self, surface: &Surface, blade: &[[f32; 3]]) -> Vec<[f32; 3]> {
+        let chord = to_f64(blade[blade.len() - 1]) - to_f64(blade[0]);
+        let along = chord.try_normalize(0.0).unwrap_or_default();
+        let slide = |end: &TipPoint| {
+            along.dot(&(surface.position(end.vertex) - point_at(blade, end.parameter)))
+        };
+        let slide = f64::midpoint(slide(&self.tip[0]), slide(&self.tip[self.tip.len() - 1]));
+        let moved = blade.iter().map(|&p| to_f32(to_f64(p) + along * slide));
+        moved.collect()
     }
 
     /// Returns whether the last step to these positions \[m\] of the tip was refused.

@@ -42,6 +42,20 @@ pub(super) fn has_moved(leads: &[Lead]) -> bool {
     leads.iter().any(|lead| lead.distance >= MIN_STEP)
 }
 
+/// Returns whether the blade is at a vertex of the tip.
+pub(super) fn is_at_tip(leads: &[Lead]) -> bool {
+    leads
+        .iter()
+        .any(|lead| !lead.is_beyond && lead.distance < MIN_STEP)
+}
+
+/// Returns whether the blade has moved from a vertex of the tip and not behind it.
+pub(super) fn cuts(leads: &[Lead]) -> bool {
+    leads
+        .iter()
+        .any(|lead| !lead.is_behind && lead.distance >= MIN_MOTION)
+}
+
 /// Returns whether the blade is ahead of the tip, on the mean and somewhere by a noticeable
 /// distance.
 pub(super) fn is_ahead(leads: &[Lead]) -> bool {
