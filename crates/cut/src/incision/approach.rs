@@ -1,7 +1,9 @@
 //! [`Approach`]: whether and how a motion of the blade goes on from the tip.
 
 use super::closing::Closing;
-use super::lead::{MIN_MOTION, cuts, has_moved, is_ahead, is_at_tip, release_isolated, standing};
+use super::lead::{
+    MIN_MOTION, has_cut_through, has_moved, is_ahead, is_at_tip, release_isolated, standing,
+};
 use super::line::{offset, point_at};
 use super::map::{BladeMap, is_at_rest};
 use super::path::{PathRange, PathSearch};
@@ -87,7 +89,7 @@ impl Incision {
             }
             // The blade was put in again.
             if is_at_tip(&leads) {
-                self.store_pose(&self.slid_to_tip(surface, blade));
+                self.place_at_tip(surface, blade);
                 self.state = IncisionState::Inside;
                 self.back = None;
                 return Ok(None);
@@ -110,7 +112,7 @@ impl Incision {
             return Ok(None);
         }
         let was_off = self.state == IncisionState::Abandoned && self.back.is_none();
-        if is_outside && (was_off || !cuts(&leads)) {
+        if is_outside && (was_off || !has_cut_through(&leads)) {
             self.store_pose(blade);
             self.back = None;
             self.state = IncisionState::Abandoned;
@@ -121,6 +123,9 @@ impl Incision {
         if was_off || is_off {
             self.leave();
             return Ok(Some(Approach::default()));
+        }
+        if self.state == IncisionState::Abandoned {
+            self.place_at_tip(surface, blade);
         }
         let targets: Vec<Vec3> = leads.iter().map(|lead| lead.target).collect();
         if self.is_refused_at(&targets) {
@@ -329,18 +334,24 @@ impl Incision {
         true
     }
 
-    /// Returns a pose at the tip, slid along the blade's edge to where it was when it cut there.
+    /// Moves the last pose of a blade that was elsewhere to the tip, from where it goes on.
     ///
-    /// A blade that is put in again has another part of its edge at the tip.
-    fn slid_to_tip(&self, surface: &Surface, blade: &[[f32; 3]]) -> Vec<[f32; 3]> {
-        let chord = to_f64(blade[blade.len() - 1]) - to_f64(blade[0]);
-        let along = chord.try_normalize(0.0).unwrap_or_default();
-        let slide = |end: &TipPoint| {
-            along.dot(&(surface.position(end.vertex) - point_at(blade, end.parameter)))
-        };
-        let slide = f64::midpoint(slide(&self.tip[0]), slide(&self.tip[self.tip.len() - 1]));
-        let moved = blade.iter().map(|&p| to_f32(to_f64(p) + along * slide));
-        moved.collect()
+    /// It is a pose whose points at the ends of the tip are those that were there before. A blade
+    /// that is put in again has another part of its edge at the tip.
+    fn place_at_tip(&mut self, surface: &Surface, blade: &[[f32; 3]]) {
+        let [first, last] = [self.tip[0], self.tip[self.tip.len() - 1]];
+        let to_tip = |end: TipPoint| surface.position(end.vertex) - point_at(blade, end.parameter);
+        let [from, to] = [first, last].map(to_tip);
+        self.store_pose(blade);
+        for (i, place) in (0u32..).zip(&mut self.pose) {
+            let part = (f64::from(i) - first.parameter) / (last.parameter - first.parameter);
+            let part = if part.is_nan() {
+                0.5
+            } else {
+                part.clamp(0.0, 1.0)
+            };
+            *place = to_f32(to_f64(*place) + from.lerp(&to, part));
+        }
     }
 
     /// Returns whether the last step to these positions \[m\] of the tip was refused.

@@ -49,11 +49,14 @@ pub(super) fn is_at_tip(leads: &[Lead]) -> bool {
         .any(|lead| !lead.is_beyond && lead.distance < MIN_STEP)
 }
 
-/// Returns whether the blade has moved from a vertex of the tip and not behind it.
-pub(super) fn cuts(leads: &[Lead]) -> bool {
-    leads
-        .iter()
-        .any(|lead| !lead.is_behind && lead.distance >= MIN_MOTION)
+/// Returns whether a blade outside of the body has left it across the tip.
+///
+/// It has not if it is behind the tip, or if most of the tip is beyond an end of the blade, which
+/// was pulled out along its edge.
+pub(super) fn has_cut_through(leads: &[Lead]) -> bool {
+    let beyond = leads.iter().filter(|lead| lead.is_beyond).count();
+    let is_across = |lead: &Lead| !lead.is_behind && lead.distance >= MIN_MOTION;
+    2 * beyond < leads.len() && leads.iter().any(is_across)
 }
 
 /// Returns whether the blade is ahead of the tip, on the mean and somewhere by a noticeable
