@@ -5,7 +5,7 @@ use super::line::{level_with, point_at};
 use super::map::BladeMap;
 use super::piercings::Piercing;
 use super::{Incision, MIN_STEP, TipPoint};
-use incise_mesh::{Surface, Vec3};
+use incise_mesh::{Surface, Vec3, VertexId};
 
 /// Motion below which a vertex of the tip keeps its place [local edge lengths].
 ///
@@ -33,7 +33,7 @@ pub(super) struct Lead {
     /// Whether the blade is behind the vertex, and the vertex beyond an end of the blade.
     is_behind: bool,
     is_beyond: bool,
-    /// The unit vector ahead; zero at the tip of a sheet.
+    /// The unit vector ahead.
     pub(super) ahead: Vec3,
 }
 
@@ -172,7 +172,7 @@ impl Incision {
         let count = tip.len();
         for (i, point) in tip.iter_mut().enumerate() {
             let place = map.vertex(surface, point.vertex);
-            if is_at_boundary(surface, point.vertex) {
+            if is_at_boundary(surface, point.vertex) && !piercings.is_empty() {
                 let kept = map.at(point.parameter, point_at(blade, point.parameter));
                 let distance = |p: &&Piercing| (map.piercing(p) - place).norm();
                 let nearest = piercings.iter();
@@ -227,9 +227,13 @@ fn separate(tip: &mut [TipPoint], least: &[f64], last: f64) {
 
 /// Returns the unit vector from a vertex of the tip into the body, away from both walls.
 ///
-/// None at the tip of a sheet.
+/// None without walls.
 fn ahead(surface: &Surface, map: &BladeMap, tip: &[TipPoint], i: usize) -> Option<Vec3> {
     let topology = surface.topology();
+    let own = tip[i].vertex;
+    if is_at_boundary(surface, own) {
+        return ahead_in_sheet(surface, map, own);
+    }
     let mut back = Vec3::zeros();
     let pairs = [i.checked_sub(1), Some(i)].into_iter().flatten();
     for i in pairs.filter(|&i| tip[i].is_joined && i + 1 < tip.len()) {
@@ -243,5 +247,19 @@ fn ahead(surface: &Surface, map: &BladeMap, tip: &[TipPoint], i: usize) -> Optio
             back += across.try_normalize(0.0).unwrap_or_default();
         }
     }
+    (-back).try_normalize(0.0)
+}
+
+/// Returns the unit vector from a vertex on the boundary of a sheet into the sheet.
+fn ahead_in_sheet(surface: &Surface, map: &BladeMap, vertex: VertexId) -> Option<Vec3> {
+    let topology = surface.topology();
+    let beside = topology.outgoing_fan(vertex).flat_map(|h| {
+        let before = h.prev();
+        let sides = [(h, topology.target(h)), (before, topology.origin(before))];
+        sides.map(|(side, end)| topology.twin(side).is_null().then_some(end))
+    });
+    let place = map.vertex(surface, vertex);
+    let to_end = |end| (map.vertex(surface, end) - place).try_normalize(0.0);
+    let back: Vec3 = beside.flatten().filter_map(to_end).sum();
     (-back).try_normalize(0.0)
 }

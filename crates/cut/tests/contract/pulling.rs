@@ -1,9 +1,9 @@
 //! Blades that are pulled out along their edge, and stabs that go on to both sides.
 
-use crate::common::{check, params};
+use crate::common::{check, check_manifold, lattice_box, params};
 use incise_cut::{Cutter, Incision, IncisionState};
 use incise_mesh::geometry::to_f32;
-use incise_mesh::{Surface, Vec3, cube_sphere, icosphere, torus};
+use incise_mesh::{Surface, Vec3, cube_sphere, icosphere, sheet, torus};
 use proptest::prelude::*;
 
 /// Length of the blade \[m\], more than the diameter of each body.
@@ -97,6 +97,60 @@ impl Trial {
         check(&self.body);
         self.body.area() - before
     }
+}
+
+/// Moves a blade along poses, none of which is refused. Returns the body and the state.
+fn moved(mut body: Surface, poses: &[[[f32; 3]; 2]], snap: f64) -> (Surface, IncisionState) {
+    let mut cutter = Cutter::new(&body);
+    let mut incision = Incision::default();
+    for pose in poses {
+        let outcome = cutter.advance(&mut body, &mut incision, pose, &params(snap));
+        let _ = outcome.unwrap_or_else(|error| panic!("{pose:?}: {error}"));
+        check_manifold(&body);
+    }
+    (body, incision.state())
+}
+
+#[test]
+fn a_blade_that_turns_back_as_it_leaves_cuts_through() {
+    let cube = lattice_box([1; 3], |p| p.map(|x| x - 0.5));
+    for last in [-0.4f32, -0.35, -0.3, -0.15] {
+        let places = [(-0.7, 0.1), (0.3, 0.1), (0.3, last), (0.7, last)];
+        let poses = places.map(|(x, y)| [[x, y, -1.0], [x, y, 1.0]]);
+        let (body, state) = moved(cube.clone(), &poses, 0.0);
+        assert_eq!(
+            (state, body.piece_count()),
+            (IncisionState::Finished, 2),
+            "{last}"
+        );
+    }
+}
+
+/// Less than half an edge ahead of the tip, to which it has not caught up.
+#[test]
+fn a_blade_that_is_put_in_again_leaves_no_bridge() {
+    let cells = lattice_box([4; 3], |p| p.map(|x| x - 0.5));
+    for (body, snap) in [(cells, 0.1), (icosphere(2, 0.5), 0.0)] {
+        let at = |x: f32, lift: f32| [[x, 0.01, -2.0 - lift], [x, 0.01, 1.0 - lift]];
+        let cut = [-0.8, -0.3, -0.2, -0.15].map(|x| at(x, 0.0));
+        let out = [at(-0.15, 2.1), at(-0.15, 2.2), at(-0.15, 0.0)];
+        let on = [-0.1, -0.05, 0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6].map(|x| at(x, 0.0));
+        let (body, _) = moved(body, &[&cut[..], &out, &on].concat(), snap);
+        assert_eq!(body.piece_count(), 2, "snap {snap}");
+    }
+}
+
+#[test]
+fn a_blade_that_is_pulled_out_of_a_sheet_goes_on_at_its_tip() {
+    let whole = sheet([1.0, 1.0], [10, 7]);
+    let at = |y: f32, lift: f32| [[0.013, y, -1.0 - lift], [0.013, y, 1.0 - lift]];
+    let cut = [-1.0, -0.3, -0.1, -0.08].map(|y| at(y, 0.0));
+    let poses = [&cut[..], &[at(-0.08, 2.0)]].concat();
+    let (body, state) = moved(whole.clone(), &poses, 0.1);
+    assert_eq!((state, body.piece_count()), (IncisionState::Abandoned, 1));
+    let on = [-0.08, 0.1, 0.3, 0.8].map(|y| at(y, 0.0));
+    let (body, _) = moved(whole, &[&poses[..], &on].concat(), 0.1);
+    assert_eq!(body.piece_count(), 2);
 }
 
 proptest! {
