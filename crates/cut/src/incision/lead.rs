@@ -172,7 +172,8 @@ impl Incision {
         let count = tip.len();
         for (i, point) in tip.iter_mut().enumerate() {
             let place = map.vertex(surface, point.vertex);
-            if is_at_boundary(surface, point.vertex) && !piercings.is_empty() {
+            let is_in_sheet = is_at_boundary(surface, point.vertex);
+            if is_in_sheet && !piercings.is_empty() {
                 let kept = map.at(point.parameter, point_at(blade, point.parameter));
                 let distance = |p: &&Piercing| (map.piercing(p) - place).norm();
                 let nearest = piercings.iter();
@@ -187,7 +188,7 @@ impl Incision {
             let (parameter, excess) = level_with(&line, place, point.parameter);
             beyond[i] = excess > MIN_MOTION * self.local;
             let is_corner = point.is_inner && (i == 0 || i + 1 == count);
-            if !is_corner {
+            if !is_corner && !is_in_sheet {
                 point.parameter = parameter;
             }
         }
