@@ -15,7 +15,6 @@ mod ids;
 mod io;
 mod lineage;
 mod measure;
-#[cfg(feature = "io")]
 mod partition;
 mod pieces;
 mod quality;
@@ -42,6 +41,7 @@ pub use io::{
     read_obj, read_ply, read_stl, write_obj, write_obj_to, write_ply, write_stl,
 };
 pub use lineage::Lineage;
+pub use partition::Partition;
 pub use quality::{AngleStats, EdgeStats};
 pub use render_buffers::{RenderBuffers, RenderParams};
 #[cfg(feature = "serde")]

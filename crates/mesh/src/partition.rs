@@ -5,21 +5,34 @@ use crate::ids::index_u32;
 /// Disjoint sets, each identified by its smallest member, which does not depend on the order of
 /// joins.
 #[derive(Debug)]
-pub(crate) struct Partition {
+pub struct Partition {
     parent: Vec<u32>,
 }
 
 impl Partition {
     /// Creates a set for every number below `count`.
-    pub(crate) fn new(count: usize) -> Self {
+    #[must_use]
+    pub fn new(count: usize) -> Self {
         let count = index_u32(count);
         Self {
             parent: (0..count).collect(),
         }
     }
 
+    /// Returns the number of members of all sets.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.parent.len()
+    }
+
+    /// Returns whether there are no members.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.parent.is_empty()
+    }
+
     /// Returns the smallest member of the set that contains `i`.
-    pub(crate) fn find(&mut self, mut i: u32) -> u32 {
+    pub fn find(&mut self, mut i: u32) -> u32 {
         while self.parent[i as usize] != i {
             let next = self.parent[i as usize];
             self.parent[i as usize] = self.parent[next as usize];
@@ -29,12 +42,13 @@ impl Partition {
     }
 
     /// Adds `i`, so far in a set of its own, to the set that the smaller `root` names.
+    #[cfg(feature = "io")]
     pub(crate) fn attach(&mut self, i: u32, root: u32) {
         self.parent[i as usize] = root;
     }
 
     /// Merges the sets of `a` and `b`.
-    pub(crate) fn join(&mut self, a: u32, b: u32) {
+    pub fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.find(a), self.find(b));
         self.parent[a.max(b) as usize] = a.min(b);
     }

@@ -1,0 +1,36 @@
+//! Errors of lattices.
+
+use incise_mesh::TriangleId;
+
+/// Why a surface gets no lattice.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LatticeError {
+    /// The surface has a boundary, or nothing inside.
+    #[error(
+        "the surface is open at triangle {triangle}; fill its holes, or simulate it as a sheet"
+    )]
+    Open {
+        /// A triangle at the boundary.
+        triangle: TriangleId,
+    },
+    /// The surface has no triangles or no volume.
+    #[error("the surface encloses no volume; check its orientation")]
+    NoVolume,
+    /// The cell size is not a positive number.
+    #[error("the cell size is {size} m; it must be a positive number")]
+    CellSize {
+        /// The cell size \[m\].
+        size: f64,
+    },
+    /// The body has more cells than allowed.
+    #[error("cells of {size} m are {across} across the body; at most {limit} are possible")]
+    TooManyCells {
+        /// The cell size \[m\].
+        size: f64,
+        /// The number of cells along the longest axis.
+        across: u32,
+        /// The largest possible number.
+        limit: u32,
+    },
+}

@@ -1,0 +1,139 @@
+//! [`Grid`]: a regular lattice of cubes in rest space.
+
+use incise_mesh::{Aabb, Vec3};
+
+/// How much longer than its cells a body may be, on both sides together [cells].
+///
+/// A body of whole cells does not get more of them by rounding.
+const SLACK: f64 = 0.01;
+
+/// A regular lattice of cubes in rest space.
+///
+/// It stays where it is. Cuts only change which parts of a body its cells hold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grid {
+    origin: Vec3,
+    cell_size: f64,
+    counts: [u32; 3],
+}
+
+impl Grid {
+    /// Returns the cells of a size \[m\] around a box, and one more layer around them.
+    ///
+    /// The box is in the middle, and may exceed the cells by 1 % of one.
+    #[must_use]
+    pub fn around(bounds: &Aabb, cell_size: f64) -> Self {
+        let [low, high] = [bounds.min, bounds.max].map(|p| Vec3::from(p.map(f64::from)));
+        let extent = high - low;
+        let counts = [0, 1, 2].map(|k| ceil_to_u32(extent[k] / cell_size - SLACK).max(1));
+        let size = Vec3::from(counts.map(f64::from)) * cell_size;
+        Self {
+            origin: low + (extent - size) / 2.0 - Vec3::repeat(cell_size),
+            cell_size,
+            counts: counts.map(|count| count + 2),
+        }
+    }
+
+    /// Returns the corner of the first cell with the least coordinates \[m\].
+    #[must_use]
+    pub fn origin(&self) -> Vec3 {
+        self.origin
+    }
+
+    /// Returns the length of the cells' edges \[m\].
+    #[must_use]
+    pub fn cell_size(&self) -> f64 {
+        self.cell_size
+    }
+
+    /// Returns the numbers of cells along the axes.
+    #[must_use]
+    pub fn counts(&self) -> [u32; 3] {
+        self.counts
+    }
+
+    /// Returns the index of a cell; those along the first axis follow each other.
+    #[must_use]
+    pub fn index(&self, cell: [u32; 3]) -> u32 {
+        (cell[2] * self.counts[1] + cell[1]) * self.counts[0] + cell[0]
+    }
+
+    /// Returns the cell of an index.
+    #[must_use]
+    pub fn cell(&self, index: u32) -> [u32; 3] {
+        let row = index / self.counts[0];
+        [
+            index % self.counts[0],
+            row % self.counts[1],
+            row / self.counts[1],
+        ]
+    }
+
+    /// Returns the coordinate of a cell's lower face along an axis \[m\].
+    #[must_use]
+    pub fn face(&self, axis: usize, cell: u32) -> f64 {
+        self.origin[axis] + self.cell_size * f64::from(cell)
+    }
+
+    /// Returns the cell along an axis that holds a coordinate \[m\], or the nearest one.
+    #[must_use]
+    pub fn cell_along(&self, axis: usize, at: f64) -> u32 {
+        let cell = floor_to_u32((at - self.origin[axis]) / self.cell_size);
+        cell.min(self.counts[axis] - 1)
+    }
+
+    /// Returns the cell that holds a point \[m\], or the nearest one.
+    #[must_use]
+    pub fn cell_at(&self, p: Vec3) -> [u32; 3] {
+        [0, 1, 2].map(|k| self.cell_along(k, p[k]))
+    }
+
+    /// Returns a corner of a cell \[m\]; bit k of its number is set at the upper face of axis k.
+    #[must_use]
+    pub fn corner(&self, cell: [u32; 3], number: usize) -> Vec3 {
+        Vec3::from_fn(|k, _| {
+            self.face(k, cell[k])
+                + if is_upper(number, k) {
+                    self.cell_size
+                } else {
+                    0.0
+                }
+        })
+    }
+
+    /// Returns the trilinear weights of a cell's corners at a point \[m\].
+    ///
+    /// They add up to 1, and extrapolate outside of the cell.
+    #[must_use]
+    pub fn weights(&self, cell: [u32; 3], p: Vec3) -> [f64; 8] {
+        let low = self.corner(cell, 0);
+        let parts = [0, 1, 2].map(|k| (p[k] - low[k]) / self.cell_size);
+        std::array::from_fn(|number| {
+            let part = |k: usize| match is_upper(number, k) {
+                true => parts[k],
+                false => 1.0 - parts[k],
+            };
+            part(0) * part(1) * part(2)
+        })
+    }
+}
+
+/// Returns whether a corner is at the upper face of an axis.
+pub(crate) const fn is_upper(corner: usize, axis: usize) -> bool {
+    corner >> axis & 1 == 1
+}
+
+/// Returns the largest whole number up to a value, 0 for negative ones and NaN.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "saturates"
+)]
+pub(crate) const fn floor_to_u32(x: f64) -> u32 {
+    x as u32
+}
+
+/// Returns the least whole number from a value on, 0 for negative ones and NaN.
+pub(crate) fn ceil_to_u32(x: f64) -> u32 {
+    floor_to_u32(x.ceil())
+}
