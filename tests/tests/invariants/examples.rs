@@ -4,8 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Libraries that are used alone.
-const LIBRARIES: [&str; 10] = [
-    "cut", "incise", "mesh", "models", "paper", "pbd-gpu", "refine", "render", "scene", "view",
+const LIBRARIES: [&str; 11] = [
+    "cut", "incise", "lattice", "mesh", "models", "paper", "pbd-gpu", "refine", "render", "scene",
+    "view",
 ];
 /// Bindings for other languages, whose READMEs begin with code in these.
 const BINDINGS: [&str; 3] = ["ffi", "python", "web"];
