@@ -50,11 +50,11 @@ pub struct Lattice {
 /// Moments of the part of a body in a copy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moments {
-    /// Its volume [cells].
+    /// Its volume \[cells\].
     pub fraction: f64,
-    /// Its centroid from the cell's center [half cells].
+    /// Its centroid from the cell's center \[half cells\].
     pub center: [f64; 3],
-    /// Mean squares from the centroid along the axes [those of a full cell].
+    /// Mean squares from the centroid along the axes \[those of a full cell\].
     pub spread: [f64; 3],
 }
 
