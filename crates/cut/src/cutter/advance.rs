@@ -177,16 +177,7 @@ impl Cutter {
                 ribs: stroke.ends_outside,
             };
             match self.try_displaced(surface, sweep, params, tip, outside) {
-                Err(error) if is_retried(&error, tip) => {
-                    if std::env::var("DBG").is_ok() {
-                        eprintln!("     attempt {extent:?}: {error:?} outside {outside:?}");
-                        for (i, (a, b)) in sweep.previous().iter().zip(sweep.current()).enumerate()
-                        {
-                            eprintln!("        {a:.3?} -> {b:.3?} par {:.3}", stroke.parameters[i]);
-                        }
-                    }
-                    first = first.or(Some(error))
-                }
+                Err(error) if is_retried(&error, tip) => first = first.or(Some(error)),
                 result => {
                     let (outcome, taken) = result?;
                     if !outcome.is_miss() {
