@@ -6,9 +6,9 @@ use crate::skin::Skin;
 use incise_mesh::{Vec3, index_u32};
 use std::ops::Range;
 
-/// Rounding error of stored positions [cells].
+/// Rounding error of stored positions [cells], by which faces of a body may miss faces of cells.
 ///
-/// Of a coordinate up to 16 cells from the origin, stored with 24 bits.
+/// Of a coordinate up to 16 cells from the origin, stored with 24 bits: 16 / 2^24.
 pub(crate) const ROUNDING: f64 = 1e-6;
 
 /// The parts of triangles in cells, by triangle and then by cell.

@@ -74,9 +74,9 @@ impl Parts {
     }
 }
 
-/// Joins fragments without a span to those that they face across the body, in the same cell.
+/// Joins fragments that no scanline has met to the opposite fragments in the same cell.
 ///
-/// A corner of the body between scanlines has several of them.
+/// They belong to corners of the body between scanlines.
 fn join_thin(grid: &Grid, skin: &Skin, fragments: &Fragments, sets: &mut Partition) {
     let mut has_span = vec![false; sets.len()];
     for element in fragments.len()..index_u32(sets.len()) {

@@ -14,8 +14,8 @@ use incise_mesh::{Surface, index_u32};
 
 /// Rises of the sweep beside a tip, tried in order [local edge lengths].
 ///
-/// The first step that can be cut and starts outside of the body is taken. Sweeps up to the ends of
-/// the blade are tried before those that end beside the tip.
+/// The first step that can be cut and starts outside of the body is taken. Sweeps along the whole
+/// blade come first, sweeps that end beside the tip follow.
 ///
 /// A high one keeps clear of a curved surface, a low one of another part of the body nearby.
 /// At 0 the sweep goes back to the blade's last pose.
@@ -188,14 +188,18 @@ impl Cutter {
                         };
                         let (facets, trace) = (&self.facets, &self.trace);
                         let parameters = &stroke.parameters;
-                        let [start, tip] = [EdgeKind::Previous, EdgeKind::Current]
-                            .map(|side| self.exact.tip(surface, facets, trace, parameters, side));
+                        let tip_along =
+                            |side| self.exact.tip(surface, facets, trace, parameters, side);
+                        let tip = tip_along(EdgeKind::Current);
+                        // The previous edge of a step from a tip is that tip.
+                        let is_entry = !incision.is_inside();
+                        let start = is_entry.then(|| tip_along(EdgeKind::Previous));
                         let copies = |v| self.exact.copies(trace, v);
                         let step = Step {
                             local: motion_scale(surface, trace.max_local()),
                             approach,
                             borders: self.exact.borders(facets, &tip),
-                            start,
+                            start: start.unwrap_or_default(),
                         };
                         incision.open_path(&step, copies, self.exact.rim_moves());
                         incision.finish_step(blade, tip, taken, &step);

@@ -68,9 +68,9 @@ pub(super) fn is_ahead(leads: &[Lead]) -> bool {
 
 /// Returns which vertices of the tip keep their places.
 ///
-/// Vertices beyond the blade's ends do, and those that the blade is near or behind. A blade that
-/// has turned back as a whole moves those that it is behind. One that `leaves` the body moves all
-/// that are not beyond its ends.
+/// A vertex does if it is beyond an end of the blade, if the blade is near, or if the blade is
+/// behind it. Two exceptions move vertices: a blade that is behind the whole tip moves it, and one
+/// that `leaves` the body moves all vertices between its ends.
 pub(super) fn standing(leads: &[Lead], leaves: bool) -> Vec<bool> {
     let goes_on = |lead: &Lead| lead.distance >= MIN_STEP && !lead.is_behind;
     let has_turned = !leads.iter().any(goes_on);

@@ -91,24 +91,8 @@ fn a_lattice_holds_the_volume_of_its_body() {
 #[test]
 fn a_cube_of_whole_cells_has_a_copy_for_each() {
     for n in 1..6u8 {
-        let corner = |i: u8| [0, 1, 2].map(|k| f32::from(i >> k & 1));
-        let faces = [
-            [0, 2, 1],
-            [1, 2, 3],
-            [4, 5, 6],
-            [5, 7, 6],
-            [0, 1, 4],
-            [1, 5, 4],
-            [2, 6, 3],
-            [3, 6, 7],
-            [0, 4, 2],
-            [2, 4, 6],
-            [1, 3, 5],
-            [3, 7, 5],
-        ];
-        let corners: Vec<[f32; 3]> = (0..8).map(corner).collect();
-        let cube = Surface::from_triangles(&corners, &faces);
-        let cube = cube.unwrap();
+        // Its corners are at 0.5 along each axis.
+        let cube = cube_sphere(1, 0.75_f64.sqrt());
         let lattice = Lattice::build(&cube, &params(1.0 / f64::from(n))).unwrap();
         check(&cube, &lattice);
         let (cells, nodes) = (usize::from(n).pow(3), usize::from(n + 1).pow(3));
