@@ -48,7 +48,7 @@ pub use render_buffers::{RenderBuffers, RenderParams};
 pub use save::{
     Archive, ArchiveError, FORMAT_VERSION, FileKind, ProgramVersion, read_archive, write_archive,
 };
-pub use shapes::{cube_sphere, icosphere, sheet, torus};
+pub use shapes::{cube_sphere, cuboid, icosphere, sheet, torus};
 pub use surface::{
     AttributeLengthError, Blend, Channel, ChannelError, CornerAttributes, CornerValues, Domain,
     InvalidSurface, MAX_WIDTH, Surface, TriangleCorners,

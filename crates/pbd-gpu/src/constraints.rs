@@ -5,6 +5,7 @@
 
 pub(crate) mod attachments;
 pub(crate) mod batches;
+pub(crate) mod cells;
 pub(crate) mod colliders;
 pub(crate) mod coloring;
 pub(crate) mod contacts;
@@ -18,6 +19,7 @@ mod validate;
 pub(crate) mod volumes;
 
 use crate::error::ConstraintError;
+use crate::interior::Interior;
 use crate::material::Material;
 use crate::patches::content::PatchContents;
 use crate::patches::{PatchParams, Patches};
@@ -52,6 +54,9 @@ pub(crate) struct Constraints {
     pub(crate) patch_contents: PatchContents,
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) pieces: PieceVertices,
+    /// The inside of a solid, which has no other constraints within.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(crate) interior: Option<Box<Interior>>,
 }
 
 impl Constraints {
@@ -103,12 +108,32 @@ impl Constraints {
             patches,
             patch_contents: PatchContents::default(),
             pieces: PieceVertices::default(),
+            interior: None,
         })
+    }
+
+    /// Creates the constraints of a solid, without its inside, contacts and colliders.
+    pub(crate) fn of_solid(surface: &Surface) -> Self {
+        let slots = surface.topology().vertex_slots();
+        Self {
+            stretch: StretchSet::with_layers(slots, 1),
+            bending: None,
+            interior_springs: None,
+            volumes: VolumeSet::default(),
+            contacts: ContactSet::default(),
+            colliders: Colliders::default(),
+            attachments: LongRangeAttachments::default(),
+            edges: EdgeTable::default(),
+            patches: None,
+            patch_contents: PatchContents::default(),
+            pieces: PieceVertices::default(),
+            interior: None,
+        }
     }
 
     /// Finds the volume constraints of the surface as it is now, if the material has any.
     pub(crate) fn update_volumes(&mut self, surface: &Surface, material: &Material) {
-        if material.volume.is_some() {
+        if material.volume.is_some() && self.interior.is_none() {
             self.volumes.update(surface);
         } else {
             self.volumes.clear();

@@ -1,5 +1,6 @@
 //! Errors of materials, constraints and steps.
 
+use incise_lattice::LatticeError;
 use incise_mesh::{EdgeKey, TriangleId, VertexId};
 use incise_params::OutOfRange;
 
@@ -10,6 +11,9 @@ pub enum ConstraintError {
     /// A number of a material is out of range.
     #[error(transparent)]
     Parameter(#[from] OutOfRange),
+    /// The inside of a solid has no lattice.
+    #[error(transparent)]
+    Lattice(#[from] LatticeError),
     /// A position or rest position is not finite.
     #[error(
         "{vertex} has a position or rest position that is not finite; repair the surface first"
@@ -162,10 +166,10 @@ pub enum StepError {
         /// Length of the substep \[s\].
         h: f32,
     },
-    /// The GPU backend supports implicit Euler only.
+    /// The GPU backend supports surfaces with implicit Euler only.
     #[error(
-        "the GPU backend supports sweeps with implicit Euler only; use Scheme::Sweeps and \
-         Integrator::Euler, or step on the CPU"
+        "the GPU backend supports sweeps over surfaces with implicit Euler only; use \
+         Scheme::Sweeps and Integrator::Euler, or step on the CPU, as solids need"
     )]
     UnsupportedOnGpu,
     /// The surface was edited, but the delta was not applied to the solver.

@@ -16,6 +16,7 @@ pub(crate) mod bending;
 pub(crate) mod block;
 #[cfg(test)]
 pub(crate) mod bounds;
+pub(crate) mod cells;
 pub(crate) mod colliders;
 pub(crate) mod contact_features;
 pub(crate) mod contacts;
@@ -24,6 +25,7 @@ pub(crate) mod integrate;
 pub(crate) mod lanes;
 pub(crate) mod particle_state;
 pub(crate) mod pins;
+pub(crate) mod points;
 pub(crate) mod predict;
 pub(crate) mod rigid_motion;
 pub(crate) mod stretch;

@@ -7,6 +7,7 @@ mod follow;
 mod global;
 #[cfg(feature = "gpu")]
 mod gpu;
+mod interior;
 mod kernels;
 mod mass;
 mod material;
@@ -34,7 +35,7 @@ pub use gpu::{
     AdapterKind, AdapterLimits, AdapterRequest, AdapterSummary, Context, GpuBackend, GpuBody,
     GpuError, GpuMemory, GpuStats, Schedule, adapters,
 };
-pub use material::{Density, InteriorSprings, Material, Stiffness, Volume};
+pub use material::{Density, InteriorSprings, Material, Solid, Stiffness, Volume};
 pub use particles::Pin;
 pub use patches::{PATCH_VERTICES, PatchParams};
 pub use solver::Solver;

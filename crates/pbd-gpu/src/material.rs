@@ -80,6 +80,31 @@ incise_params::params! {
 }
 
 incise_params::params! {
+    /// Elasticity of the inside of a closed body, by a lattice of cells.
+    ///
+    /// A solid has the shape, the mass and the volume of its material, also in pieces. Stretch,
+    /// bending, volume and interior springs of the [`Material`] have no effect then.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Solid {
+        /// Young's modulus.
+        young_modulus: f32 = 1e5, range: Range::POSITIVE, unit: "Pa";
+        /// Poisson's ratio, the share of a stretch by which a rod becomes thinner; near 1/2 the
+        /// material keeps its volume.
+        poisson_ratio: f32 = 0.45, range: Range::at_least(0.0).up_to(0.495);
+        /// Relaxation time of the viscosity: stress grows by this time, Young's modulus and the
+        /// rate of strain.
+        ///
+        /// A vibration of angular frequency `w` decays at the rate `w^2 / 2` times this.
+        relaxation_time: f32 = 0.005, range: Range::NOT_NEGATIVE, unit: "s";
+        /// Length of the edges of a cell; `None` for a third of the thickness `2 V / A` of the
+        /// body.
+        cell_size: Option<f32> = None, range: Range::POSITIVE, unit: "m";
+        /// Maximum number of cells along the longest side of the body, which enlarges cells.
+        cells_across: u32 = 16, range: Range::at_least(1.0).up_to(64.0);
+    }
+}
+
+incise_params::params! {
     /// Material of a body.
     ///
     /// The default is a limp shell of 1 kg/m^2 that does not stretch; a closed one collapses on the
@@ -98,6 +123,8 @@ incise_params::params! {
         volume: Option<Volume> = None;
         /// Springs through the body. `None` costs nothing.
         interior_springs: Option<InteriorSprings> = None;
+        /// Elasticity of the inside of a closed body; `None` for a body that is only a surface.
+        solid: Option<Solid> = None;
         /// Decay rate of velocities relative to the rigid motion of a piece.
         ///
         /// Bodies rebound less with it. It damps no fall, spin, roll or slide.
@@ -122,6 +149,20 @@ impl Material {
                 stiffness: Stiffness::Compliance(1e-6),
             }),
             damping: 1.0,
+            ..Self::default()
+        }
+    }
+
+    /// Returns a solid with Young's modulus \[Pa\], Poisson's ratio and density [kg/m^3].
+    #[must_use]
+    pub fn solid(young_modulus: f32, poisson_ratio: f32, density: f32) -> Self {
+        Self {
+            density: Density::Volume(density),
+            solid: Some(Solid {
+                young_modulus,
+                poisson_ratio,
+                ..Solid::default()
+            }),
             ..Self::default()
         }
     }

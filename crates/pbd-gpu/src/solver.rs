@@ -12,11 +12,13 @@ mod load;
 mod particles;
 #[cfg(feature = "global")]
 mod scheme;
+mod solid;
 
 use crate::constraints::Constraints;
 use crate::constraints::colliders::ColliderRecord;
 use crate::error::{ConstraintError, StepError};
 use crate::follow::FollowState;
+use crate::interior::{Interior, stiffness};
 use crate::kernels::elastic::ElasticSets;
 use crate::kernels::integrate::{are_finite, first_non_finite};
 use crate::mass::masses;
@@ -92,9 +94,20 @@ impl Solver {
                 return Err(ConstraintError::NonFinitePosition { vertex: v });
             }
         }
-        let mut constraints = Constraints::new(surface, material, patches)?;
         let mut particles = Particles::new(masses(surface, material)?);
-        for (position, &mass) in surface.positions_mut().iter_mut().zip(&particles.mass) {
+        let mut constraints = match &material.solid {
+            Some(solid) => {
+                let mut constraints = Constraints::of_solid(surface);
+                let mass = particles.mass.iter().map(|&m| f64::from(m)).sum();
+                let velocities = &mut particles.velocities;
+                let interior = Interior::new(surface, velocities, solid, mass)?;
+                constraints.interior = Some(Box::new(interior));
+                constraints
+            }
+            None => Constraints::new(surface, material, patches)?,
+        };
+        let inverse_masses = particles.mass.iter().filter(|_| constraints.interior.is_none());
+        for (position, &mass) in surface.positions_mut().iter_mut().zip(inverse_masses) {
             position[3] = inverse(mass);
         }
         let mut follow = FollowState::default();
@@ -188,7 +201,10 @@ impl Solver {
         has_contacts: bool,
         params: &SolverParams,
     ) -> Option<GuardInputs> {
-        let (damping, budget) = (self.material.damping, &self.step.budget);
+        let is_solid = self.constraints.interior.is_some();
+        // The viscosity of a solid damps it.
+        let damping = if is_solid { 0.0 } else { self.material.damping };
+        let budget = &self.step.budget;
         let inputs = GuardInputs::new(budget, constants, damping, params.conserve)?;
         let has_contacts = has_contacts || !self.constraints.contacts.is_empty();
         let moves = |collider: &ColliderRecord| collider.velocity != [0.0; 3];
@@ -198,7 +214,8 @@ impl Solver {
                 .is_some_and(|volume| volume.compressibility > 0.0 || volume.pressure != 1.0);
         Some(GuardInputs {
             has_pins: !self.particles.pins.is_empty(),
-            has_contacts,
+            // No node of a solid is pinned, but its momenta change.
+            has_contacts: has_contacts || is_solid && !self.particles.pins.is_empty(),
             is_driven,
             ..inputs
         })
@@ -227,9 +244,19 @@ impl Solver {
 
     /// Borrows the body for its guard.
     pub(crate) fn guarded<'a>(&'a mut self, surface: &'a Surface) -> GuardedBody<'a> {
+        let (positions, velocities, cells) = match &mut self.constraints.interior {
+            Some(interior) => {
+                let size = interior.lattice.grid.cell_size();
+                let solid = self.material.solid.unwrap_or_default();
+                let cells = Some((&interior.cells, stiffness(&solid, size)));
+                (&interior.positions[..], &mut interior.velocities, cells)
+            }
+            None => (surface.positions(), &mut self.particles.velocities, None),
+        };
         GuardedBody {
-            positions: surface.positions(),
-            velocities: &mut self.particles.velocities,
+            positions,
+            velocities,
+            cells,
             pieces: &self.constraints.pieces,
             sets: ElasticSets {
                 stretch: &self.constraints.stretch,
@@ -247,6 +274,9 @@ impl Solver {
 
     /// Returns the number of parts of a substep of `h` \[s\] that the body needs.
     pub(crate) fn needed_parts(&mut self, h: f32, params: &SolverParams) -> u32 {
+        if let (Some(interior), Some(solid)) = (&self.constraints.interior, &self.material.solid) {
+            return interior.needed_parts(solid, h);
+        }
         if self.constraints.colliders.planes().is_empty() || takes_global_step(&self.step, params) {
             return 1;
         }

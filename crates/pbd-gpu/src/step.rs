@@ -3,9 +3,11 @@
 pub(crate) mod backend;
 pub(crate) mod body;
 mod body_step;
+pub(crate) mod cell_sweep;
 pub(crate) mod constants;
 pub(crate) mod guard;
 pub(crate) mod island;
+mod island_points;
 #[cfg(feature = "serde")]
 mod load;
 pub(crate) mod params;

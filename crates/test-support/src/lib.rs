@@ -1,12 +1,14 @@
 //! Fixtures that the tests of several crates share. It is not published.
 //!
-//! - [`process`], [`random`]: tests in a process of their own, seeded numbers.
+//! - [`process`], [`random`], [`beams`]: tests in a process of their own, seeded numbers, closed
+//!   forms.
 //! - With the feature `mesh`: hashes of surfaces (`bits`).
 //! - With the feature `solver`: small bodies and changes of them (`surfaces`, `edits`),
 //!   `materials`, `params`, limits of every motion (`energy`), and solver results with a closed
 //!   form (`closed_forms`, `single_steps`).
 //! - With the feature `gpu`: tests that need a GPU (`gpu`, `external_device`, `cpu_gpu_pair`).
 
+pub mod beams;
 #[cfg(feature = "mesh")]
 pub mod bits;
 #[cfg(feature = "solver")]

@@ -14,6 +14,7 @@ pub fn firm(friction: f32, damping: f32) -> Material {
             density: 1.0,
             stiffness: Stiffness::Compliance(1e-6),
         }),
+        solid: None,
         damping,
         friction,
     }

@@ -96,6 +96,7 @@ fn material(stretch: f32, bending: Option<f32>) -> Material {
         bending: bending.map(Stiffness::Compliance),
         volume: None,
         interior_springs: None,
+        solid: None,
         damping: 0.0,
         friction: 0.0,
     }

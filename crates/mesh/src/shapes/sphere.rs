@@ -1,5 +1,6 @@
 //! Spheres from a subdivided icosahedron and from a cube.
 
+use super::cuboid::quads;
 use crate::geometry::{Vec3, area_vector, to_f32};
 use crate::ids::{EdgeKey, VertexId};
 use crate::surface::Surface;
@@ -38,41 +39,25 @@ pub fn icosphere(subdivisions: u32, radius: f64) -> Surface {
 #[must_use]
 pub fn cube_sphere(quads_per_edge: u32, radius: f64) -> Surface {
     let n = quads_per_edge.max(1);
-    let mut ids: FxHashMap<[u32; 3], u32> = FxHashMap::default();
-    let mut points = Vec::new();
-    let mut faces = Vec::new();
-    for side in 0..6 {
-        let axis = side / 2;
-        let at_far_end = side % 2 == 1;
-        for (i, j) in (0..n).flat_map(|j| (0..n).map(move |i| (i, j))) {
-            let mut quad = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(di, dj)| {
-                let mut lattice = [0; 3];
-                lattice[axis] = if at_far_end { n } else { 0 };
-                lattice[(axis + 1) % 3] = i + di;
-                lattice[(axis + 2) % 3] = j + dj;
-                *ids.entry(lattice).or_insert_with(|| {
-                    points.push(on_unit_sphere(
-                        lattice.map(|c| 2.0 * f64::from(c) / f64::from(n) - 1.0),
-                    ));
-                    VertexId::from_index(points.len() - 1).0
-                })
-            });
-            if !at_far_end {
-                quad.reverse();
-            }
-            let [a, b, c, d] = quad;
-            let [pa, pb, pc, pd] = quad.map(|v| points[v as usize]);
-            if (pc - pa).norm_squared() <= (pd - pb).norm_squared() {
-                faces.extend([[a, b, c], [a, c, d]]);
-            } else {
-                faces.extend([[a, b, d], [b, c, d]]);
-            }
+    let (points, quads) = quads([n; 3]);
+    let on_cube = |point: [u32; 3]| point.map(|c| 2.0 * f64::from(c) / f64::from(n) - 1.0);
+    let points: Vec<Vec3> = (points.into_iter())
+        .map(|point| on_unit_sphere(on_cube(point)))
+        .collect();
+    let mut faces = Vec::with_capacity(2 * quads.len());
+    for quad in quads {
+        let [a, b, c, d] = quad;
+        let [pa, pb, pc, pd] = quad.map(|v| points[v as usize]);
+        if (pc - pa).norm_squared() <= (pd - pb).norm_squared() {
+            faces.extend([[a, b, c], [a, c, d]]);
+        } else {
+            faces.extend([[a, b, d], [b, c, d]]);
         }
     }
     finish(&points, &faces, radius)
 }
 
-fn finish(points: &[Vec3], faces: &[[u32; 3]], radius: f64) -> Surface {
+pub(super) fn finish(points: &[Vec3], faces: &[[u32; 3]], radius: f64) -> Surface {
     let positions: Vec<[f32; 3]> = points.iter().map(|p| to_f32(p * radius)).collect();
     Surface::from_triangles(&positions, faces).expect("a subdivided polyhedron is a manifold")
 }

@@ -1,6 +1,7 @@
 //! [`PieceVertices`]: the vertices of every connected piece.
 
-use incise_mesh::{Surface, VertexId};
+use incise_lattice::Lattice;
+use incise_mesh::{Partition, Surface, VertexId, index_u32};
 use std::ops::Range;
 
 /// The vertices of a body, by piece and ascending.
@@ -72,6 +73,33 @@ impl PieceVertices {
         }
     }
 
+    /// Finds the pieces of a lattice as it is now, if it was edited since: nodes that copies of
+    /// cells connect. O(n).
+    pub(crate) fn update_nodes(&mut self, lattice: &Lattice) {
+        if std::mem::replace(&mut self.is_current, true) {
+            return;
+        }
+        self.generation += 1;
+        let count = lattice.node_positions.len();
+        let mut sets = Partition::new(count);
+        for nodes in &lattice.nodes {
+            for &node in &nodes[1..] {
+                sets.join(nodes[0], node);
+            }
+        }
+        let mut order: Vec<(u32, u32)> = (0..index_u32(count))
+            .map(|node| (sets.find(node), node))
+            .collect();
+        order.sort_unstable();
+        self.vertices.clear();
+        self.ends.clear();
+        for nodes in order.chunk_by(|a, b| a.0 == b.0) {
+            self.vertices
+                .extend(nodes.iter().map(|&(_, node)| VertexId(node)));
+            self.ends.push(index_u32(self.vertices.len()));
+        }
+    }
+
     /// Returns the allocated size in elements.
     pub(crate) fn capacity(&self) -> usize {
         self.vertices.capacity() + self.ends.capacity() + self.next.capacity()
@@ -85,7 +113,7 @@ fn index(number: u32) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use incise_mesh::{icosphere, index_u32};
+    use incise_mesh::icosphere;
 
     #[test]
     fn every_vertex_is_in_the_list_of_its_piece() {

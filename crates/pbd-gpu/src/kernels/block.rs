@@ -10,6 +10,7 @@ use super::lanes::{Lanes, Mask};
 use super::particle_state::{ParticleState, ParticleStates};
 use incise_mesh::VertexId;
 use pulp::{Arch, Scalar, Simd, WithSimd};
+use std::cell::Cell;
 
 /// Constraints that share no vertex, one per lane.
 pub(crate) struct Block<'a, S: Simd, const L: usize, const N: usize> {
@@ -66,6 +67,9 @@ pub(crate) trait Gather<const L: usize>: Copy + Send + Sync {
 
     /// Adds a row to the displacement of a particle.
     fn add_d(self, particles: ParticleStates<'_>, v: VertexId, row: Self::Row);
+
+    /// Adds a row to another one.
+    fn add_row(self, to: &Cell<[f32; 4]>, row: Self::Row);
 }
 
 /// Adds changes to the displacements of the `j`th vertices of a block.
@@ -217,6 +221,12 @@ impl<S: Simd, const L: usize> Gather<L> for Transpose<S> {
     #[inline(always)]
     fn add_d(self, particles: ParticleStates<'_>, v: VertexId, row: [f32; 4]) {
         particles.add_d(v.index(), row);
+    }
+
+    #[inline(always)]
+    fn add_row(self, to: &Cell<[f32; 4]>, row: [f32; 4]) {
+        let sum = to.get();
+        to.set([0, 1, 2, 3].map(|k: usize| sum[k] + row[k]));
     }
 }
 

@@ -10,8 +10,8 @@
 //! Other constraints move the features on after friction has held them. Friction takes this drift
 //! back in the next substep. Without that, each ball of a heap creeps.
 
-use super::contacts::between_features;
-use super::particle_state::{ParticleState, ParticleStates};
+use super::contacts::{VertexStates, between_features};
+use super::particle_state::ParticleState;
 use crate::constraints::contacts::{ContactKind, ContactRecord};
 
 /// Distance of an inactive contact \[m\], less than any other.
@@ -26,7 +26,7 @@ pub(crate) const MIN_SQUARED_SINE: f32 = 1e-4;
 /// most pairs found near each other have left their features.
 #[inline(never)]
 pub(crate) fn contact_features(
-    particles: ParticleStates<'_>,
+    vertices: impl VertexStates,
     contacts: &mut [ContactRecord],
     facing: &mut Vec<u32>,
 ) {
@@ -40,7 +40,7 @@ pub(crate) fn contact_features(
             facing.push(i);
             continue;
         }
-        let p = contact.vertices.map(|v| particles.get(v as usize));
+        let p = contact.vertices.map(|v| vertices.state(v as usize));
         contact.drift = if was_held {
             let now = between_features(contact, p.map(ParticleState::at_start));
             [0, 1, 2].map(|k: usize| now[k] - contact.held_at[k])

@@ -24,7 +24,7 @@ use std::cell::Cell;
 /// those by contacts; empty without a lift.
 #[inline(never)]
 pub(crate) fn contacts(
-    particles: ParticleStates<'_>,
+    vertices: impl VertexStates,
     carried: &[Cell<bool>],
     corrections: &[Cell<[f32; 4]>],
     contacts: &mut [ContactRecord],
@@ -37,7 +37,7 @@ pub(crate) fn contacts(
         let count = contact.vertex_count();
         let mut p = [ParticleState::default(); 4];
         for (p, &v) in p.iter_mut().zip(&contact.vertices[..count]) {
-            *p = particles.get(v as usize);
+            *p = vertices.state(v as usize);
         }
         // Planes push vertices out later in the substep.
         let lifted = p.map(|p| lifted(p, planes));
@@ -55,7 +55,7 @@ pub(crate) fn contacts(
             continue;
         }
         let w = contact.weights;
-        let shares = shares(w, p);
+        let shares = vertices.shares(w, p);
         let free = inverse_mass(w, shares, [[1.0; 2]; 4]);
         // Vertices on a plane slide along it only.
         let parts = slides(w, n, p, planes).map(|slide| match slide {
@@ -93,7 +93,8 @@ pub(crate) fn contacts(
                 d[3],
             ];
             let v = contact.vertices[i] as usize;
-            particles.set_d(v, moved);
+            let after = ParticleState { d: moved, ..p[i] };
+            vertices.move_to(v, p[i], after, [by, w[i]]);
             if let Some(correction) = corrections.get(v) {
                 let u = correction.get();
                 correction.set([0, 1, 2, 3].map(|k: usize| u[k] - (moved[k] - d[k])));
@@ -141,10 +142,33 @@ pub(crate) const MAX_SHARE: f32 = 8.0;
 /// Between a held face and a parallel plane rounding would move them by a million corrections.
 pub(crate) const MIN_SLIDE: f32 = 1e-6;
 
-/// Returns the weights of vertices times their inverse masses.
-#[inline(always)]
-fn shares(w: [f32; 4], p: [ParticleState; 4]) -> [f32; 4] {
-    [0, 1, 2, 3].map(|i: usize| w[i] * p[i].x[3])
+/// The vertices of bodies in contact: particles, or points of solids.
+pub(crate) trait VertexStates: Copy {
+    /// Returns the state of a vertex.
+    fn state(self, v: usize) -> ParticleState;
+
+    /// Returns the weights of the vertices of a contact times their inverse masses.
+    fn shares(self, w: [f32; 4], p: [ParticleState; 4]) -> [f32; 4];
+
+    /// Moves a vertex from one state to another, given its share and its weight.
+    fn move_to(self, v: usize, from: ParticleState, to: ParticleState, share_and_weight: [f32; 2]);
+}
+
+impl VertexStates for ParticleStates<'_> {
+    #[inline(always)]
+    fn state(self, v: usize) -> ParticleState {
+        self.get(v)
+    }
+
+    #[inline(always)]
+    fn shares(self, w: [f32; 4], p: [ParticleState; 4]) -> [f32; 4] {
+        [0, 1, 2, 3].map(|i: usize| w[i] * p[i].x[3])
+    }
+
+    #[inline(always)]
+    fn move_to(self, v: usize, _: ParticleState, to: ParticleState, _: [f32; 2]) {
+        self.set(v, to);
+    }
 }
 
 /// Returns the direction in which each vertex can move, if the correction of a contact along `n`
@@ -204,7 +228,7 @@ pub(crate) const LIFT: f32 = 4.0;
 /// by recovery along an axis \[m\], if no vertex is in two of the contacts.
 #[inline(never)]
 pub(crate) fn recover_contacts(
-    particles: ParticleStates<'_>,
+    vertices: impl VertexStates,
     corrections: &[Cell<[f32; 4]>],
     contacts: &[ContactRecord],
     planes: Planes<'_>,
@@ -216,9 +240,9 @@ pub(crate) fn recover_contacts(
         if contact.is_active == 0 || contact.vertex_count() < 4 {
             continue;
         }
-        let p = contact.vertices.map(|v| particles.get(v as usize));
+        let p = contact.vertices.map(|v| vertices.state(v as usize));
         let (w, n) = (contact.weights, contact.normal);
-        let shares = shares(w, p);
+        let shares = vertices.shares(w, p);
         let free = inverse_mass(w, shares, [[1.0; 2]; 4]);
         let is_movable = free > 0.0;
         if !is_movable {
@@ -274,7 +298,7 @@ pub(crate) fn recover_contacts(
                 let u = correction.get();
                 correction.set([0, 1, 2, 3].map(|k: usize| u[k] - (state.d[k] - d[k])));
             }
-            particles.set(v, state);
+            vertices.move_to(v, ParticleState { x, d }, state, [shares[i], w[i]]);
             max_change = f32::max(max_change, change);
         }
     }

@@ -23,6 +23,12 @@ impl<S: Simd> Lanes<S> {
         Self { simd, values }
     }
 
+    /// Returns the instructions.
+    #[inline(always)]
+    pub(crate) fn simd(self) -> S {
+        self.simd
+    }
+
     /// Returns the same number in all lanes.
     #[inline(always)]
     pub(crate) fn splat(simd: S, number: f32) -> Self {
@@ -92,6 +98,15 @@ impl<S: Simd> Mask<S> {
     pub(crate) fn select(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {
         let values = self.simd.select_f32s(self.values, yes.values, no.values);
         Lanes::new(self.simd, values)
+    }
+
+    /// Returns the lanes of either mask.
+    #[inline(always)]
+    pub(crate) fn or(self, other: Self) -> Self {
+        Self {
+            simd: self.simd,
+            values: self.simd.or_m32s(self.values, other.values),
+        }
     }
 
     /// Returns true if the mask has all lanes.

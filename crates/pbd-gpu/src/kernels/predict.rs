@@ -11,6 +11,24 @@ use super::particle_state::{ParticleState, ParticleStates};
 use crate::step::constants::StepConstants;
 use std::cell::Cell;
 
+/// Adds a share of the displacements by the last forces of cells to the predicted ones, and clears
+/// them.
+#[inline(always)]
+pub(crate) fn repeat_forces(
+    particles: ParticleStates<'_>,
+    repeated: &[Cell<[f32; 4]>],
+    kept: f32,
+) {
+    for (cell, repeated) in particles.iter().zip(repeated) {
+        let ParticleState { x, mut d } = cell.get();
+        let last = repeated.replace([0.0; 4]);
+        for k in 0..3 {
+            d[k] += kept * last[k];
+        }
+        cell.set(ParticleState { x, d });
+    }
+}
+
 /// Sets the predicted displacement of every vertex.
 ///
 /// `corrections`, empty without a lift, hold the internal displacement of the last substep \[m\].

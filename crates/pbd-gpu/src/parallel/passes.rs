@@ -3,16 +3,19 @@
 use super::team::{Leader, with_team};
 use crate::constraints::batches::Part;
 use crate::constraints::contacts::ContactRecord;
-use crate::kernels::block::dispatch;
+use crate::constraints::cells::{CELLS_PER_BLOCK, CellBatch};
+use crate::kernels::block::{Transpose, WithGather, dispatch};
+use crate::kernels::cells::CellConstants;
 use crate::kernels::colliders::Planes;
 use crate::kernels::contacts::contacts as project_contacts;
 use crate::kernels::particle_state::ParticleStates;
 use crate::kernels::volume::{CHUNK, VolumeGradients, VolumeScratch};
 use crate::patches::content::PatchContent;
+use crate::step::cell_sweep::CellSweep;
 use crate::step::constants::{Projection, StepConstants};
 use crate::step::stage::{Stage, SteppedBody};
 use crate::step::sweep::{Kernel, PatchSweep, Sweep};
-use pulp::Arch;
+use pulp::{Arch, Scalar};
 use std::cell::Cell;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -21,6 +24,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 ///
 /// Below it the exchange of cache lines between cores costs more than the second core gains.
 const MIN_SHARED: usize = 1024;
+
+/// Work of a cell, in edges.
+const CELL_WORK: usize = 16;
 
 /// Chunks per thread, so that a thread which falls behind can be relieved.
 const CHUNKS_PER_MEMBER: usize = 2;
@@ -61,6 +67,59 @@ pub(crate) fn sweep_color<K: Kernel<N>, const N: usize>(
         let part = part.slice(start..count.min(start + size));
         dispatch(arch, Sweep::<K, N>::blocks(particles, part, projection));
     });
+}
+
+/// Projects the cells of one color.
+pub(crate) fn sweep_cells(
+    leader: &mut Leader<'_>,
+    arch: Arch,
+    particles: ParticleStates<'_>,
+    repeated: &[Cell<[f32; 4]>],
+    batch: &mut CellBatch,
+    constants: &CellConstants,
+) {
+    let (count, blocks) = (batch.len(), batch.blocks.len());
+    let size = if leader.members() == 1 || !is_shared(count * CELL_WORK) {
+        blocks.max(1)
+    } else {
+        blocks.div_ceil(leader.members() * CHUNKS_PER_MEMBER)
+    };
+    // The cells of a color share no node, and every chunk has its own blocks.
+    let shared = Shared((particles, repeated, batch.blocks.as_mut_ptr()));
+    leader.run(blocks.div_ceil(size), &|chunk| {
+        let (particles, repeated, all) = *shared.get();
+        let range = chunk * size..blocks.min((chunk + 1) * size);
+        let first = range.start * CELLS_PER_BLOCK;
+        // SAFETY: the range ends within the slice, those of chunks do not overlap, and every chunk
+        // runs once.
+        let blocks = unsafe { std::slice::from_raw_parts_mut(all.add(range.start), range.len()) };
+        let work = CellSweep {
+            particles,
+            repeated,
+            count: (count - first).min(blocks.len() * CELLS_PER_BLOCK),
+            blocks,
+            constants,
+        };
+        dispatch(arch, work);
+    });
+}
+
+/// Projects cells that may share nodes, one after the other.
+pub(crate) fn sweep_cells_serially(
+    particles: ParticleStates<'_>,
+    repeated: &[Cell<[f32; 4]>],
+    batch: &mut CellBatch,
+    constants: &CellConstants,
+) {
+    let count = batch.len();
+    let sweep = CellSweep {
+        particles,
+        repeated,
+        blocks: &mut batch.blocks,
+        count,
+        constants,
+    };
+    sweep.with::<_, 1>(Transpose(Scalar));
 }
 
 /// Projects the constraints of all patches of a layer, in reverse order if `is_back`.

@@ -35,6 +35,8 @@ impl Solver {
     }
 
     /// Returns all masses \[kg\], also of pinned vertices, shape [vertex slots].
+    ///
+    /// Nodes carry the mass of a [solid](crate::Solid): its vertices have shares by area.
     #[must_use]
     pub fn masses(&self) -> &[f32] {
         &self.particles.mass
@@ -48,6 +50,9 @@ impl Solver {
         self.check_vertex(v)?;
         check_value(v, to)?;
         self.particles.velocities[v.index()] = [to[0], to[1], to[2], 0.0];
+        if let Some(interior) = &mut self.constraints.interior {
+            interior.has_new_velocities = true;
+        }
         self.follow.log.mark_velocity(v);
         Ok(())
     }
@@ -182,14 +187,16 @@ impl Solver {
     /// Returns the mass of the body \[kg\], including pinned vertices.
     #[must_use]
     pub fn total_mass(&self) -> f64 {
-        self.particles.mass.iter().map(|&m| f64::from(m)).sum()
+        let (masses, _) = self.moving_masses();
+        masses.iter().map(|&m| f64::from(m)).sum()
     }
 
     /// Returns the linear momentum of the body [kg m/s].
     #[must_use]
     pub fn momentum(&self) -> [f64; 3] {
+        let (masses, velocities) = self.moving_masses();
         let mut sum = [0.0; 3];
-        for (&mass, v) in self.particles.mass.iter().zip(&self.particles.velocities) {
+        for (&mass, v) in masses.iter().zip(velocities) {
             for k in 0..3 {
                 sum[k] += f64::from(mass) * f64::from(v[k]);
             }
@@ -203,16 +210,14 @@ impl Solver {
     /// If the surface has fewer vertex slots than the body.
     #[must_use]
     pub fn angular_momentum(&self, surface: &Surface, about: [f64; 3]) -> [f64; 3] {
+        let (masses, velocities) = self.moving_masses();
+        let interior = self.constraints.interior.as_ref();
+        let positions = interior.map_or(surface.positions(), |interior| &interior.positions);
         let mut sum = Vec3::zeros();
-        for (i, (&mass, v)) in self
-            .particles
-            .mass
-            .iter()
-            .zip(&self.particles.velocities)
-            .enumerate()
-        {
+        for (i, (&mass, v)) in masses.iter().zip(velocities).enumerate() {
             if mass > 0.0 {
-                let arm = surface.position(VertexId::from_index(i)) - Vec3::from(about);
+                let [x, y, z, _] = positions[i].map(f64::from);
+                let arm = Vec3::new(x, y, z) - Vec3::from(about);
                 let velocity = Vec3::new(v[0].into(), v[1].into(), v[2].into());
                 sum += arm.cross(&velocity) * f64::from(mass);
             }
@@ -223,15 +228,20 @@ impl Solver {
     /// Returns the kinetic energy of the body \[J\].
     #[must_use]
     pub fn kinetic_energy(&self) -> f64 {
-        self.particles
-            .mass
-            .iter()
-            .zip(&self.particles.velocities)
-            .map(|(&mass, v)| {
-                let square: f64 = v.iter().map(|&c| f64::from(c) * f64::from(c)).sum();
-                f64::from(mass) * square / 2.0
-            })
-            .sum()
+        let (masses, velocities) = self.moving_masses();
+        let of_one = |(&mass, v): (&f32, &[f32; 4])| {
+            let square: f64 = v.iter().map(|&c| f64::from(c) * f64::from(c)).sum();
+            f64::from(mass) * square / 2.0
+        };
+        masses.iter().zip(velocities).map(of_one).sum()
+    }
+
+    /// Returns masses \[kg\] and velocities [m/s] of what moves: vertices, or nodes of a solid.
+    fn moving_masses(&self) -> (&[f32], &[[f32; 4]]) {
+        match &self.constraints.interior {
+            Some(interior) => (&interior.mass, &interior.velocities),
+            None => (&self.particles.mass, &self.particles.velocities),
+        }
     }
 
     /// Returns the relative length error of edges: the sum of `|l - l0|` over the sum of `l0`.

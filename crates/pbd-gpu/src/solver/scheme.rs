@@ -24,6 +24,10 @@ impl Solver {
             self.step.extent = Some(Extent::new(surface, &self.particles.mass, edge));
         }
         let of_body = (self.step.extent, dt, self.step.was_global_chosen);
+        if self.is_solid() {
+            self.step.choice = Choice::Sweeps;
+            return Choice::Sweeps;
+        }
         self.step.was_global_chosen = crate::global::is_chosen(params, &self.material, of_body);
         if !self.step.was_global_chosen {
             self.record_sweeps();

@@ -12,6 +12,7 @@ use crate::kernels::{contact_features, contacts};
 use crate::parallel::passes::{body_chunks, is_shared, share_bodies, sweep_contacts};
 use crate::parallel::{Leader, with_team};
 use crate::step::island::{IslandBody, Member};
+use crate::step::island_points::IslandPoints;
 use crate::step::params::StepStats;
 use crate::step::pass::Pass;
 use crate::step::stage::{Stage, SteppedBody, time_after};
@@ -99,7 +100,7 @@ pub(crate) fn execute(
     let mut colors = contacts.colors.iter().take(UNCOLORED);
     let mut has_shared_pass = colors.any(|contacts| is_shared(contacts.len()));
     let mut stepped: Vec<SteppedBody<'_>> = std::mem::take(list);
-    let mut small = 0;
+    let (mut small, mut first_vertex) = (0, 0);
     // Bodies without a lift have corrections of their own, which stay 0.
     let has_lift = members.iter().any(|member| member.constants.lift > 0.0);
     let members = members.iter_mut().enumerate();
@@ -109,6 +110,8 @@ pub(crate) fn execute(
             ..StepStats::default()
         };
         (member.first, member.stats) = (particles.len(), stats);
+        member.first_vertex = first_vertex;
+        first_vertex += surface.positions().len();
         member.meets_collider = false;
         let body = SteppedBody::new(index, member, solver, surface);
         let at_start = |&x: &[f32; 4]| ParticleState { x, d: [0.0; 4] };
@@ -133,7 +136,7 @@ pub(crate) fn execute(
     };
     carried.clear();
     if !contacts.is_empty() {
-        carried.resize(particles.len(), false);
+        carried.resize(first_vertex, false);
         facing.resize_with(contacts.colors.len(), Vec::new);
         let of_bodies = stepped.iter().flat_map(|body| body.arrays.colliders);
         for plane in of_bodies.filter(|collider| collider.kind == PLANE) {
@@ -320,74 +323,76 @@ impl Frame<'_, '_, '_> {
 
     /// Runs a pass over the contacts of the island.
     fn run_contacts(&mut self, pass: Pass, substep: u32) {
-        let has_volumes = self.bodies.iter().any(|body| body.member.has_volumes);
-        let Some(SteppedBody { member: first, .. }) = self.bodies.first_mut() else {
+        let Self {
+            bodies,
+            contacts,
+            facing,
+            leader,
+            ..
+        } = self;
+        let Some(first) = bodies.first_mut() else {
             return;
         };
-        let (particles, corrections) = (self.particles, self.corrections);
-        let h = first.constants.h;
+        let has_volumes = first.member.has_volumes;
         let planes = Planes {
             records: self.planes,
-            time: time_after(substep, first),
+            time: time_after(substep, first.member),
         };
-        first.stats.passes += 1;
+        let h = first.member.constants.h;
+        let fall = first.member.constants.gravity_step.map(|g| g * h);
+        let has_volumes = has_volumes || bodies.iter().any(|body| body.member.has_volumes);
+        if pass == Pass::ContactsBeforeVolumes && !has_volumes {
+            return;
+        }
+        let has_solid = bodies.iter().any(|body| body.arrays.solid.is_some());
+        let particles = self.particles;
+        let points = IslandPoints { particles, bodies };
+        let colors = &mut contacts.colors;
+        let mut change = 0.0;
         match pass {
             Pass::ContactFeatures => {
-                for (color, facing) in self.contacts.colors.iter_mut().zip(&mut *self.facing) {
-                    contact_features::contact_features(particles, color, facing);
+                for (color, facing) in colors.iter_mut().zip(&mut **facing) {
+                    if has_solid {
+                        contact_features::contact_features(points, color, facing);
+                    } else {
+                        contact_features::contact_features(particles, color, facing);
+                    }
                 }
             }
             Pass::ContactRecovery => {
-                let mut change = 0.0;
-                let fall = first.constants.gravity_step.map(|g| g * h);
-                let (serial, colors) = split_serial(&self.contacts.colors);
-                for color in colors {
-                    change +=
-                        contacts::recover_contacts(particles, corrections, color, planes, h, fall);
-                }
-                for contact in serial.chunks(1) {
-                    change += contacts::recover_contacts(
-                        particles,
-                        corrections,
-                        contact,
-                        planes,
-                        h,
-                        fall,
-                    );
-                }
-                for body in &mut *self.bodies {
-                    body.member.stats.max_displacement += change;
+                let (serial, colors) = split_serial(colors);
+                let lists = colors.iter().map(Vec::as_slice).chain(serial.chunks(1));
+                for list in lists {
+                    change += if has_solid {
+                        contacts::recover_contacts(points, &[], list, planes, h, fall)
+                    } else {
+                        let corrections = self.corrections;
+                        contacts::recover_contacts(particles, corrections, list, planes, h, fall)
+                    };
                 }
             }
-            Pass::ContactsBeforeVolumes if !has_volumes => first.stats.passes -= 1,
             _ => {
-                first.stats.contact_projections += self.contacts.len() as u64;
-                let carried = self.carried;
-                let colors = self.contacts.colors.iter_mut().zip(&*self.facing);
-                for (color, (contacts, facing)) in colors.enumerate() {
-                    if color == UNCOLORED {
-                        contacts::contacts(
-                            particles,
-                            carried,
-                            corrections,
-                            contacts,
-                            0,
-                            facing,
-                            planes,
-                        );
+                for (color, (list, facing)) in colors.iter_mut().zip(&**facing).enumerate() {
+                    let (carried, corrections) = (self.carried, self.corrections);
+                    if has_solid {
+                        // Contacts of a color share no vertex, but nodes.
+                        contacts::contacts(points, carried, &[], list, 0, facing, planes);
+                    } else if color == UNCOLORED {
+                        contacts::contacts(particles, carried, corrections, list, 0, facing, planes);
                     } else {
-                        let leader = &mut *self.leader;
-                        sweep_contacts(
-                            leader,
-                            particles,
-                            carried,
-                            corrections,
-                            contacts,
-                            facing,
-                            planes,
-                        );
+                        sweep_contacts(leader, particles, carried, corrections, list, facing, planes);
                     }
                 }
+            }
+        }
+        let count = contacts.len() as u64;
+        for (i, body) in bodies.iter_mut().enumerate() {
+            let stats = &mut body.member.stats;
+            stats.max_displacement += change;
+            if i == 0 {
+                stats.passes += 1;
+                let is_projected = matches!(pass, Pass::Contacts | Pass::ContactsBeforeVolumes);
+                stats.contact_projections += if is_projected { count } else { 0 };
             }
         }
     }

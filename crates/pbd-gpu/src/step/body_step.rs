@@ -9,9 +9,11 @@ use crate::kernels::colliders::ColliderPass;
 use crate::kernels::particle_state::ParticleStates;
 use crate::kernels::stretch::Stretch;
 use crate::kernels::volume::{self, Round, VolumeScratch};
-use crate::kernels::{attachments, colliders, integrate, pins, predict};
+use crate::kernels::{attachments, colliders, integrate, pins, points, predict};
 use crate::parallel::Leader;
-use crate::parallel::passes::{sweep_color, sweep_patches};
+use crate::parallel::passes::{
+    sweep_cells, sweep_cells_serially, sweep_color, sweep_patches,
+};
 use crate::step::body::Body;
 use crate::step::constants::{Projection, StepConstants};
 use crate::step::params::StepStats;
@@ -144,7 +146,40 @@ impl BodyStep<'_, '_, '_> {
         } = self;
         let (particles, v) = (self.particles, &mut *body.velocities);
         match pass {
+            Pass::Predict if body.solid.is_some() => {
+                predict::predict(particles, v, &[], constants);
+                predict::repeat_forces(particles, self.corrections, constants.cells.kept);
+            }
             Pass::Predict => predict::predict(particles, v, self.corrections, constants),
+            Pass::Cells(batch) => {
+                let Some(solid) = &mut body.solid else {
+                    return true;
+                };
+                let cells = solid.cells.batch_mut(batch.number());
+                stats.cell_projections += cells.len() as u64;
+                if batch == BatchId::Overflow {
+                    sweep_cells_serially(particles, self.corrections, cells, &constants.cells);
+                } else {
+                    let constants = &constants.cells;
+                    sweep_cells(leader, *arch, particles, self.corrections, cells, constants);
+                }
+            }
+            Pass::SolidPins | Pass::SolidSupports => {
+                let Some(solid) = &mut body.solid else {
+                    return true;
+                };
+                let points = solid.points(particles);
+                let substeps = [self.substeps_left, constants.substeps];
+                points::pins(points, body.pins, solid.pin_starts, substeps);
+                if pass == Pass::SolidSupports {
+                    let by = ColliderPass {
+                        friction: constants.friction,
+                        h: constants.collider_step,
+                        time: self.time,
+                    };
+                    solid.push_out(particles, v, body.colliders, by, constants);
+                }
+            }
             Pass::Pins => pins::pins(particles, body.pins, self.substeps_left),
             Pass::LongRangeAttachments => {
                 attachments::attachments(particles, self.corrections, body.attachments, constants.h)
@@ -223,6 +258,17 @@ impl BodyStep<'_, '_, '_> {
                 stats.max_displacement += change;
                 stats.max_substep_displacement = stats.max_substep_displacement.max(change);
             }
+            Pass::Colliders if body.solid.is_some() => {
+                let by = ColliderPass {
+                    friction: constants.friction,
+                    h: constants.collider_step,
+                    time: self.time,
+                };
+                if let Some(solid) = &mut body.solid {
+                    *self.meets_collider |=
+                        solid.push_out(particles, v, body.colliders, by, constants);
+                }
+            }
             Pass::CollidersBeforeVolumes | Pass::Colliders => {
                 let by = ColliderPass {
                     friction: constants.friction,
@@ -233,7 +279,11 @@ impl BodyStep<'_, '_, '_> {
                     colliders::colliders(particles, v, self.corrections, body.colliders, by);
             }
             Pass::Integrate => {
-                match integrate::integrate(particles, v, self.corrections, constants.h) {
+                let corrections = match body.solid {
+                    Some(_) => &[],
+                    None => self.corrections,
+                };
+                match integrate::integrate(particles, v, corrections, constants.h) {
                     Some(change) => {
                         stats.max_displacement += change;
                         stats.max_substep_displacement = stats.max_substep_displacement.max(change);

@@ -4,6 +4,7 @@
 
 use crate::error::StepError;
 use crate::kernels::bending::{FIRM, HOLD, RECOVERY};
+use crate::kernels::cells::CellConstants;
 use crate::kernels::volume;
 use crate::material::{Stiffness, Volume};
 use crate::step::params::SolverParams;
@@ -32,6 +33,8 @@ pub struct StepConstants {
     pub interior_springs: Projection,
     /// Coefficients of volume constraints.
     pub volume: VolumeProjection,
+    /// Coefficients of the cells of a solid.
+    pub(crate) cells: CellConstants,
     /// Coulomb friction coefficient.
     pub friction: f32,
     /// Displacement per iteration and axis below which the iterations of a substep end \[m\].

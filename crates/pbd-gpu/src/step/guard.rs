@@ -14,7 +14,9 @@
 //! since constraints dissipate the rest. It is unlimited while something does unknown work: moving
 //! pins and colliders, pressure, and compressible volumes, whose energy is not counted.
 
+use crate::constraints::cells::CellSet;
 use crate::constraints::pieces::PieceVertices;
+use crate::interior::energy::energy_of;
 use crate::kernels::elastic::{ElasticSets, elastic_energy};
 use crate::kernels::rigid_motion::{RigidMotion, cross};
 use crate::step::constants::StepConstants;
@@ -136,6 +138,8 @@ pub(crate) struct GuardedBody<'a> {
     pub(crate) velocities: &'a mut [[f32; 4]],
     pub(crate) pieces: &'a PieceVertices,
     pub(crate) sets: ElasticSets<'a>,
+    /// The cells of a solid and their stiffnesses.
+    pub(crate) cells: Option<(&'a CellSet, [f64; 3])>,
     pub(crate) budget: &'a mut EnergyBudget,
 }
 
@@ -374,7 +378,11 @@ impl GuardedBody<'_> {
         if inputs.is_driven {
             (slack, age) = (UNLIMITED, 0.0);
         } else if let Some(relaxation) = inputs.relaxation {
-            let elastic = elastic_energy(self.positions, self.sets, &inputs.constants);
+            let elastic = match self.cells {
+                #[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
+                Some((cells, stiffness)) => energy_of(cells, stiffness) as f32,
+                None => elastic_energy(self.positions, self.sets, &inputs.constants),
+            };
             if inputs.is_unlimited {
                 slack = elastic;
             } else if slack > elastic {

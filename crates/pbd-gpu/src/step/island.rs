@@ -54,8 +54,10 @@ pub(crate) struct Member {
     pub(crate) orders: Orders,
     /// Upper bound of the change of a coordinate before the current second-order substep \[m\].
     extrapolated: f32,
-    /// Island vertex of its first vertex.
+    /// Number of the island's particles before its own: vertices, or nodes of a solid.
     pub(crate) first: usize,
+    /// Island vertex of its first vertex.
+    pub(crate) first_vertex: usize,
     /// Whether its pins are those of the current second-order substep.
     pub(crate) has_own_pins: bool,
     pub(crate) has_volumes: bool,
@@ -166,7 +168,13 @@ impl Island {
             .map(|(solver, _)| solver.needed_parts(substeps.h, params));
         let substeps = substeps.divided(needed.fold(1, u32::max));
         (self.substeps, self.time_left) = (substeps, time_left);
-        self.integrator = params.integrator;
+        // The prediction of a solid repeats forces instead of an earlier motion.
+        let has_solid = bodies.iter().any(|(solver, _)| solver.is_solid());
+        self.integrator = if has_solid {
+            Integrator::Euler
+        } else {
+            params.integrator
+        };
         let presses = bodies.iter().map(|(solver, _)| solver.contacts().press());
         let press = presses.fold(self.contacts.press(), LoadRatio::max);
         let frame = FrameInputs {
@@ -267,6 +275,9 @@ impl Island {
         if done.is_ok() {
             end_guard(guard, bodies, members, has_contacts);
         }
+        for (solver, surface) in bodies.iter_mut() {
+            solver.embed(surface);
+        }
         if *integrator == Integrator::Bdf2 {
             for (solver, surface) in bodies.iter_mut() {
                 let (particles, _, step) = solver.step_parts();
@@ -303,12 +314,13 @@ impl Island {
 /// Validates a body and computes its constants of a frame.
 fn prepare_member(
     solver: &mut Solver,
-    surface: &Surface,
+    surface: &mut Surface,
     frame: FrameInputs,
     has_contacts: bool,
     params: &SolverParams,
 ) -> Result<Member, StepError> {
     solver.check_step(surface)?;
+    solver.adopt_edits(surface);
     let constants = solver.prepare(frame, params)?;
     let orders = both_orders(solver.material(), &frame, params);
     #[cfg(feature = "global")]
@@ -323,7 +335,10 @@ fn prepare_member(
     let (_, constraints, _) = solver.step_parts();
     constraints.update_patch_contents();
     if guard.is_some() {
-        constraints.pieces.update(surface);
+        match &constraints.interior {
+            Some(interior) => constraints.pieces.update_nodes(&interior.lattice),
+            None => constraints.pieces.update(surface),
+        }
     }
     Ok(Member {
         constants,
@@ -331,6 +346,7 @@ fn prepare_member(
         orders,
         extrapolated: 0.0,
         first: 0,
+        first_vertex: 0,
         has_own_pins: false,
         has_volumes: !constraints.volumes.pieces().is_empty(),
         reaches_colliders: frame.reaches_colliders,

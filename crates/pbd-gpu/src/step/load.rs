@@ -21,7 +21,7 @@ impl StepState {
             interior_springs,
             ..
         } = constraints;
-        (self.plan).finish_load(stretch, bending.as_ref(), interior_springs.as_ref());
+        (self.plan).finish_load(stretch, bending.as_ref(), interior_springs.as_ref(), None);
         self.history.validate(slots)?;
         let mean = self.mean_rest_length.unwrap_or_default();
         let is_valid = self.settling_time_left.is_finite() && mean.is_finite();

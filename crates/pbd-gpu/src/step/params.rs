@@ -234,6 +234,8 @@ pub struct StepStats {
     pub passes: u32,
     /// Iterations skipped because of [`SolverParams::residual`].
     pub iterations_skipped: u32,
+    /// Cells of solids projected.
+    pub cell_projections: u64,
     /// Stretch constraints projected.
     pub stretch_projections: u64,
     /// Bending constraints projected.

@@ -46,6 +46,15 @@ pub enum Pass {
     BeginGlobal,
     /// Pulls vertices back that are too far from their pinned anchor.
     LongRangeAttachments,
+    /// Pulls pinned vertices of a solid and pushes vertices out of colliders before its cells.
+    ///
+    /// The prediction repeats the forces of cells, but not those that hold them up. Without this
+    /// pass cells would see nodes that fall through a plane, and the body would be softer.
+    SolidSupports,
+    /// Projects the cells of one batch of a solid.
+    Cells(BatchId),
+    /// Pulls pinned vertices of a solid toward their targets.
+    SolidPins,
     /// Projects the constraints of one batch.
     Project {
         /// The kind of the constraints.
@@ -115,8 +124,11 @@ impl Pass {
             Self::BeginGlobal => stage(4),
             Self::LongRangeAttachments => stage(5),
             Self::GlobalIteration => stage(6),
+            Self::SolidSupports => stage(7),
+            Self::Cells(batch) => (8, 0, None, Some(batch), None),
+            Self::SolidPins => stage(9),
             Self::Project { kind, batch } => (
-                7 + kind.stage(),
+                10 + kind.stage(),
                 batch.layer(),
                 Some(kind),
                 Some(batch),
@@ -125,15 +137,15 @@ impl Pass {
             Self::ProjectBack { kind, batch } => {
                 let (stage, layer) = (Reverse(kind.stage()), Reverse(batch.layer()));
                 let reverse = (stage, layer, Reverse(kind), Reverse(batch));
-                (9, 0, None, None, Some(reverse))
+                (12, 0, None, None, Some(reverse))
             }
-            Self::ContactsBeforeVolumes => stage(10),
-            Self::CollidersBeforeVolumes => stage(11),
-            Self::Volumes => stage(12),
-            Self::Contacts => stage(13),
-            Self::Colliders => stage(14),
-            Self::ContactRecovery => stage(15),
-            Self::Integrate => stage(16),
+            Self::ContactsBeforeVolumes => stage(13),
+            Self::CollidersBeforeVolumes => stage(14),
+            Self::Volumes => stage(15),
+            Self::Contacts => stage(16),
+            Self::Colliders => stage(17),
+            Self::ContactRecovery => stage(18),
+            Self::Integrate => stage(19),
         }
     }
 

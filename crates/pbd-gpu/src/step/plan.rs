@@ -3,6 +3,7 @@
 //! The CPU executes it pass by pass; the GPU backend merges the plans of several bodies.
 
 use crate::constraints::batches::{BatchId, BendingSet, ConstraintSet, StretchSet};
+use crate::constraints::cells::CellSet;
 use crate::step::pass::{ConstraintKind, Pass};
 
 /// Inputs of the plan, besides the constraint sets.
@@ -136,9 +137,10 @@ impl StepPlan {
         stretch: &StretchSet,
         bending: Option<&BendingSet>,
         interior_springs: Option<&StretchSet>,
+        cells: Option<&CellSet>,
     ) {
         if std::mem::take(&mut self.is_current) {
-            self.update(self.key, stretch, bending, interior_springs);
+            self.update(self.key, stretch, bending, interior_springs, cells);
         }
     }
 
@@ -154,6 +156,7 @@ impl StepPlan {
         stretch: &StretchSet,
         bending: Option<&BendingSet>,
         interior_springs: Option<&StretchSet>,
+        cells: Option<&CellSet>,
     ) {
         if self.is_current && self.key == key {
             return;
@@ -163,7 +166,11 @@ impl StepPlan {
         self.generation += 1;
         self.prologue.clear();
         self.prologue.push(Pass::Predict);
-        push_if(&mut self.prologue, key.pins, Pass::Pins);
+        push_if(
+            &mut self.prologue,
+            key.pins && cells.is_none(),
+            Pass::Pins,
+        );
         push_if(&mut self.prologue, key.contacts, Pass::ContactFeatures);
         push_if(&mut self.prologue, key.multipliers, Pass::ResetMultipliers);
         push_if(&mut self.prologue, key.global, Pass::BeginGlobal);
@@ -176,6 +183,13 @@ impl StepPlan {
             push_batches(list, ConstraintKind::Bending, bending);
             push_batches(list, ConstraintKind::InteriorSpring, interior_springs);
         }
+        let is_supported = (key.pins || key.colliders) && cells.is_some();
+        push_if(list, is_supported, Pass::SolidSupports);
+        for number in cells.into_iter().flat_map(CellSet::numbers) {
+            let batch = BatchId::from_number(number);
+            list.push(Pass::Cells(batch));
+        }
+        push_if(list, key.pins && cells.is_some(), Pass::SolidPins);
         for i in 0..list.len() {
             if let Pass::Project { kind, batch } = list[i] {
                 list.push(Pass::ProjectBack { kind, batch });
@@ -249,7 +263,7 @@ mod tests {
             colliders: true,
             multipliers: true,
         };
-        plan.update(key, &stretch, Some(&bending), Some(&interior_springs));
+        plan.update(key, &stretch, Some(&bending), Some(&interior_springs), None);
         let [prologue, iteration, epilogue] = [plan.prologue(), plan.iteration(), plan.epilogue()];
         let once: Vec<Pass> = [prologue, iteration, epilogue].concat();
         assert!(once.is_sorted_by(|a, b| a < b), "{once:?}");
@@ -279,6 +293,7 @@ mod tests {
             &stretch,
             Some(&bending),
             Some(&interior_springs),
+            None,
         );
         for pass in [Pass::ContactsBeforeVolumes, Pass::CollidersBeforeVolumes] {
             let is_there = plan.iteration().contains(&pass);
@@ -295,15 +310,15 @@ mod tests {
             contact_rounds: 1,
             ..PlanKey::default()
         };
-        plan.update(key, &stretch, Some(&bending), Some(&interior_springs));
+        plan.update(key, &stretch, Some(&bending), Some(&interior_springs), None);
         let first = plan.generation();
-        plan.update(key, &stretch, Some(&bending), Some(&interior_springs));
+        plan.update(key, &stretch, Some(&bending), Some(&interior_springs), None);
         assert_eq!(plan.generation(), first, "nothing has changed");
         plan.invalidate();
-        plan.update(key, &stretch, None, None);
+        plan.update(key, &stretch, None, None, None);
         assert!(plan.generation() > first, "constraints were removed");
         let second = plan.generation();
-        plan.update(PlanKey { pins: true, ..key }, &stretch, None, None);
+        plan.update(PlanKey { pins: true, ..key }, &stretch, None, None, None);
         assert!(plan.generation() > second, "pins were added");
     }
 }

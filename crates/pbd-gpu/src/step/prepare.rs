@@ -3,6 +3,7 @@
 use crate::constraints::Constraints;
 use crate::constraints::interior_springs::DIAGONAL_SCALE;
 use crate::error::StepError;
+use crate::kernels::cells::CellConstants;
 use crate::material::{InteriorSprings, Material, Stiffness, Volume};
 use crate::particles::Particles;
 use crate::step::StepState;
@@ -51,7 +52,11 @@ pub(crate) fn prepare(
         Integrator::Euler if is_smooth && !global => params.lift,
         _ => 0.0,
     };
-    let constants = constants_of(material, &frame, h, lift, params);
+    let mut constants = constants_of(material, &frame, h, lift, params);
+    if let (Some(interior), Some(solid)) = (&constraints.interior, &material.solid) {
+        constants.cells = interior.constants(solid, h);
+        constants.lift = constants.cells.kept;
+    }
     constants.check()?;
     let pieces = constraints.volumes.pieces().iter();
     let max_volume = pieces.map(|piece| piece.rest().abs()).fold(0.0, f32::max);
@@ -71,6 +76,7 @@ pub(crate) fn prepare(
         contacts,
         colliders,
         attachments: list,
+        interior,
         ..
     } = constraints;
     if attachments {
@@ -87,7 +93,9 @@ pub(crate) fn prepare(
         colliders: frame.reaches_colliders && !colliders.records().is_empty(),
         multipliers: constants.accumulates_lambda(),
     };
-    (step.plan).update(key, stretch, bending.as_ref(), interior_springs.as_ref());
+    let cells = interior.as_ref().map(|interior| &interior.cells);
+    let (bending, springs) = (bending.as_ref(), interior_springs.as_ref());
+    (step.plan).update(key, stretch, bending, springs, cells);
     Ok(constants)
 }
 
@@ -166,6 +174,7 @@ fn constants_of(
         bending: material.bending.map_or(Projection::NONE, bending),
         interior_springs: springs.map_or(Projection::NONE, interior_springs),
         volume: material.volume.map_or(VolumeProjection::NONE, volume),
+        cells: CellConstants::NONE,
         friction: material.friction,
         // A single iteration cannot end early.
         residual: params.residual.filter(|_| params.iterations > 1),

@@ -156,6 +156,7 @@ fn extrapolate(now: &mut [[f32; 4]], before: &mut [[f32; 4]]) -> f32 {
 pub(crate) fn add(sum: &mut StepStats, stats: &StepStats) {
     sum.substeps += stats.substeps;
     sum.passes += stats.passes;
+    sum.cell_projections += stats.cell_projections;
     sum.stretch_projections += stats.stretch_projections;
     sum.bending_projections += stats.bending_projections;
     sum.global_iterations += stats.global_iterations;

@@ -137,10 +137,11 @@ impl NullaryFnOnce for Run<'_, '_, '_, '_> {
         let to = passes.partition_point(is_earlier);
         let count = body.positions.len();
         let vertices = member.first..member.first + count;
+        let carried = member.first_vertex..member.first_vertex + count;
         let mut step = BodyStep {
             particles: stage.particles.slice(member.first, count),
             corrections: stage.corrections.get(vertices.clone()).unwrap_or_default(),
-            carried: stage.carried.get(vertices).unwrap_or_default(),
+            carried: stage.carried.get(carried).unwrap_or_default(),
             body,
             constants: &member.constants,
             volume_scratch: self.volume_scratch,

@@ -19,6 +19,7 @@ mod material_changes;
 mod pressure;
 mod refusals;
 mod second_order;
+mod solids;
 mod stability;
 mod undo;
 mod volumes;

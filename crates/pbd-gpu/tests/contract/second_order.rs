@@ -34,6 +34,7 @@ fn spring() -> (Surface, Solver, VertexId) {
         friction: 0.0,
         volume: None,
         interior_springs: None,
+        solid: None,
     };
     let mut solver = Solver::new(&mut surface, &material).unwrap();
     for v in [0, 1].map(VertexId) {
@@ -235,6 +236,7 @@ fn a_volume_recovers_at_the_same_rate_with_both_integrators() {
             bending: None,
             volume: Some(Volume::default()),
             interior_springs: None,
+            solid: None,
             damping: 0.0,
             friction: 0.0,
         };

@@ -142,7 +142,8 @@ impl GpuBodies for ResidentBodies {
 
     fn add(&mut self, id: BodyId, body: &mut Body) -> Result<(), SceneError> {
         let i = id.index;
-        if self.resident(i).is_some() || body.constraints() < self.min_constraints {
+        let is_small = body.constraints() < self.min_constraints;
+        if self.resident(i).is_some() || is_small || body.solver().is_solid() {
             return Ok(());
         }
         let (surface, solver) = body.parts();

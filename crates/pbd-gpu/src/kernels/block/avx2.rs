@@ -7,6 +7,7 @@ use incise_mesh::VertexId;
 use pulp::x86::V3;
 use pulp::{NullaryFnOnce, cast};
 use std::arch::x86_64::{__m128, __m256};
+use std::cell::Cell;
 
 /// Does work with AVX2.
 pub(super) fn dispatch<W: WithGather>(simd: V3, work: W) -> W::Output {
@@ -99,6 +100,11 @@ impl Gather<8> for V3 {
     fn add_d(self, particles: ParticleStates<'_>, v: VertexId, row: __m128) {
         let d = cast(particles.get(v.index()).d);
         particles.set_d(v.index(), cast(self.sse._mm_add_ps(d, row)));
+    }
+
+    #[inline(always)]
+    fn add_row(self, to: &Cell<[f32; 4]>, row: __m128) {
+        to.set(cast(self.sse._mm_add_ps(cast(to.get()), row)));
     }
 }
 

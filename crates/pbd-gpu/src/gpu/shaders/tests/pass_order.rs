@@ -111,7 +111,11 @@ fn name(pass: Pass) -> String {
         Pass::Volumes => VOLUMES.to_owned(),
         Pass::CollidersBeforeVolumes | Pass::Colliders => COLLIDERS.to_owned(),
         Pass::Integrate => INTEGRATE.to_owned(),
-        Pass::BeginGlobal | Pass::GlobalIteration => unreachable!("not in plans for GPUs"),
+        Pass::BeginGlobal
+        | Pass::GlobalIteration
+        | Pass::SolidSupports
+        | Pass::Cells(_)
+        | Pass::SolidPins => unreachable!("not in plans for GPUs"),
     }
 }
 
@@ -146,7 +150,7 @@ fn full_plan() -> StepPlan {
         multipliers: true,
     };
     let mut plan = StepPlan::default();
-    plan.update(key, &stretch, Some(&bending), Some(&springs));
+    plan.update(key, &stretch, Some(&bending), Some(&springs), None);
     plan
 }
 

@@ -1,0 +1,195 @@
+//! [`Interior`]: the inside of a solid, a lattice whose nodes are its particles.
+//!
+//! Nodes carry mass, motion and elasticity. Vertices of the surface have none of their own: they
+//! are interpolated from the nodes, and forces on them are mapped to the nodes.
+
+mod adopt;
+mod embed;
+mod follow;
+mod rest;
+pub(crate) mod energy;
+mod masses;
+
+use crate::constraints::cells::{CellSet, CellState};
+use crate::error::ConstraintError;
+use crate::kernels::cells::CellConstants;
+use crate::kernels::points::Near;
+use crate::material::Solid;
+use crate::particles::Pin;
+use follow::EditScratch;
+use incise_lattice::{Lattice, LatticeParams};
+use incise_mesh::{Surface, VertexId};
+
+/// Largest ratio of stiffness to mass of a cell that a substep resolves, `(h omega)^2` by the bound
+/// of the inverse mass of its strain.
+///
+/// The prediction repeats the forces of the last substep up to this ratio, and a share of them
+/// beyond. Random motion in seven bodies decays up to 11 at least when all of them are repeated.
+pub(crate) const RESOLVED: f64 = 8.0;
+
+/// Maximum number of parts of a substep for stiffness.
+const MAX_PARTS: f64 = 8.0;
+
+/// The inside of a solid.
+#[derive(Debug, Clone)]
+pub(crate) struct Interior {
+    pub(crate) lattice: Lattice,
+    /// Position \[m\] and inverse mass [1/kg], shape \[nodes\].
+    pub(crate) positions: Vec<[f32; 4]>,
+    /// Velocity [m/s], last component 0, shape \[nodes\].
+    pub(crate) velocities: Vec<[f32; 4]>,
+    /// Displacement by the forces of the last substep \[m\], which the next one repeats, shape
+    /// \[nodes\].
+    pub(crate) repeated: Vec<[f32; 4]>,
+    /// Mass \[kg\], shape \[nodes\].
+    pub(crate) mass: Vec<f32>,
+    pub(crate) cells: CellSet,
+    /// Inverse masses of vertices as pushes see them [1/kg], shape [vertex slots].
+    pub(crate) inverse_masses: Vec<f32>,
+    /// Targets of pins in the last frame.
+    last_pins: Vec<Pin>,
+    /// Positions of pinned vertices at the start of the frame \[m\], shape \[pins\].
+    pub(crate) pin_starts: Vec<[f32; 3]>,
+    /// Vertices that colliders may reach in the frame.
+    pub(crate) near: Vec<Near>,
+    /// Volume of the surface by that of the scanlines.
+    volume_scale: f64,
+    scratch: EditScratch,
+    /// Largest product of the inverse mass and the fraction of a cell [1/(kg m²)].
+    stiffest: f64,
+    /// Checksum of the positions of vertices as they were embedded.
+    embedded: u64,
+    /// Whether the caller has set velocities of vertices.
+    pub(crate) has_new_velocities: bool,
+}
+
+impl Interior {
+    /// Creates the inside of a closed surface, with a total mass \[kg\].
+    ///
+    /// # Errors
+    /// [`ConstraintError::Lattice`].
+    pub(crate) fn new(
+        surface: &mut Surface,
+        velocities: &mut [[f32; 4]],
+        solid: &Solid,
+        mass: f64,
+    ) -> Result<Self, ConstraintError> {
+        let params = LatticeParams {
+            cell_size: solid.cell_size.map(f64::from),
+            cells_across: solid.cells_across,
+        };
+        let lattice = Lattice::build(surface, &params)?;
+        let nodes = lattice.node_positions.len();
+        let mut cells = CellSet::new();
+        cells.resize_nodes(nodes);
+        for (copy, (nodes, moments)) in (0..).zip(lattice.nodes.iter().zip(&lattice.moments)) {
+            cells.insert(copy, nodes.map(VertexId), moments, &CellState::default());
+        }
+        let mut interior = Self {
+            positions: vec![[0.0; 4]; nodes],
+            velocities: vec![[0.0; 4]; nodes],
+            repeated: vec![[0.0; 4]; nodes],
+            mass: vec![0.0; nodes],
+            cells,
+            inverse_masses: Vec::new(),
+            last_pins: Vec::new(),
+            pin_starts: Vec::new(),
+            near: Vec::new(),
+            volume_scale: 1.0,
+            scratch: EditScratch::default(),
+            stiffest: 0.0,
+            embedded: 0,
+            has_new_velocities: false,
+            lattice,
+        };
+        for (x, rest) in interior.positions.iter_mut().zip(&interior.lattice.node_positions) {
+            *x = embed::to_row(*rest);
+        }
+        interior.set_masses(surface, mass);
+        interior.adopt_positions(surface);
+        interior.embed(surface, velocities);
+        Ok(interior)
+    }
+
+    /// Returns the coefficients of the cells in a substep of `h` \[s\].
+    #[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
+    pub(crate) fn constants(&self, solid: &Solid, h: f32) -> CellConstants {
+        let size = self.lattice.grid.cell_size();
+        let square = f64::from(h) * f64::from(h);
+        let [shape, volume, hourglass] = stiffness(solid, size).map(|k| (k * square) as f32);
+        let ratio = self.ratio(solid, f64::from(h));
+        let kept = if ratio > RESOLVED { RESOLVED / ratio } else { 1.0 };
+        CellConstants {
+            scale: (0.25 / size) as f32,
+            unit: (0.25 / size) as f32 * (4.0 * size) as f32,
+            shape,
+            volume,
+            hourglass,
+            kept: kept as f32,
+            square: square as f32,
+            viscous: 1.0 + solid.relaxation_time / h,
+        }
+    }
+
+    /// Returns the largest `(h omega)^2` of a cell alone in a substep of `h` \[s\].
+    fn ratio(&self, solid: &Solid, h: f64) -> f64 {
+        let [_, volume, _] = stiffness(solid, self.lattice.grid.cell_size());
+        self.stiffest * volume * h * h
+    }
+
+    /// Returns the number of parts of a substep of `h` \[s\] that resolve the stiffness.
+    ///
+    /// At most [`MAX_PARTS`]: a stiffer body is softer than its material.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a whole number between 1 and its maximum"
+    )]
+    pub(crate) fn needed_parts(&self, solid: &Solid, h: f32) -> u32 {
+        let parts = (self.ratio(solid, f64::from(h)) / RESOLVED).sqrt().ceil();
+        parts.clamp(1.0, MAX_PARTS) as u32
+    }
+
+    /// Begins a frame with given pins, which move from their last targets, new ones from where they
+    /// are.
+    pub(crate) fn begin_pins(&mut self, pins: &[Pin]) {
+        let mut starts = std::mem::take(&mut self.pin_starts);
+        starts.clear();
+        let mut last = self.last_pins.iter().peekable();
+        starts.extend(pins.iter().map(|pin| {
+            while last.next_if(|other| other.vertex < pin.vertex).is_some() {}
+            let known = last.next_if(|other| other.vertex == pin.vertex);
+            let start = known.map(|other| other.target);
+            let start = start.or_else(|| self.position(pin.vertex.index()));
+            start.unwrap_or(pin.target)
+        }));
+        self.pin_starts = starts;
+        self.last_pins.clear();
+        self.last_pins.extend_from_slice(pins);
+    }
+
+    /// Returns the allocated size in elements.
+    pub(crate) fn capacity(&self) -> usize {
+        self.positions.capacity()
+            + self.velocities.capacity()
+            + self.repeated.capacity()
+            + self.mass.capacity()
+            + self.cells.capacity()
+    }
+}
+
+/// Returns the stiffness of a full cell against changes of shape and of volume, `2 mu V` and
+/// `(2 mu + 3 lambda) V` \[J\], and that of its hourglass modes [N/m].
+///
+/// A mode bends the cell. Where it bends as a beam of its own, with second moments `s^4 / 12`, its
+/// stiffness is `4 E s / 3`. Across three or more cells a linear strain in each is the more
+/// accurate one of a shear mode; 0.9 of that of the beam is between both.
+pub(crate) fn stiffness(solid: &Solid, size: f64) -> [f64; 3] {
+    let (young, poisson) = (f64::from(solid.young_modulus), f64::from(solid.poisson_ratio));
+    let volume = size * size * size;
+    [
+        young / (1.0 + poisson) * volume,
+        young / (1.0 - 2.0 * poisson) * volume,
+        1.2 * young * size,
+    ]
+}
