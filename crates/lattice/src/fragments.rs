@@ -34,11 +34,17 @@ impl Fragments {
             let margin = Vec3::repeat(ROUNDING * size);
             let low = grid.cell_at(a.inf(b).inf(c) - margin);
             let high = grid.cell_at(a.sup(b).sup(c) + margin);
+            if low == high {
+                fragments.cells.push(grid.index(low));
+                fragments.triangles.push(t);
+                fragments.starts.push(index_u32(fragments.cells.len()));
+                continue;
+            }
             for z in low[2]..=high[2] {
                 for y in low[1]..=high[1] {
                     for x in low[0]..=high[0] {
                         let center = grid.corner([x, y, z], 0) + Vec3::repeat(size / 2.0);
-                        if low == high || triangle_meets_box(corners, center, half) {
+                        if triangle_meets_box(corners, center, half) {
                             fragments.cells.push(grid.index([x, y, z]));
                             fragments.triangles.push(t);
                         }
@@ -91,6 +97,11 @@ impl Fragments {
                 let Some(other) = self.find(edge.triangles[1], cell) else {
                     continue;
                 };
+                // Triangles in one cell have their edges there.
+                if edge.triangles.iter().all(|&t| self.of(t).len() == 1) {
+                    join(fragment, other);
+                    continue;
+                }
                 let low = grid.corner(grid.cell(cell), 0);
                 let high = low + Vec3::repeat(size);
                 if edge_meets_box(edge.ends, low - margin, high + margin) {
@@ -110,7 +121,11 @@ impl Fragments {
     ) {
         let size = grid.cell_size();
         for (t, corners) in (0..).zip(&skin.corners) {
-            for low in self.of(t) {
+            let own = self.of(t);
+            if own.len() < 2 {
+                continue;
+            }
+            for low in own {
                 let cell = grid.cell(self.cell(low));
                 for axis in 0..3 {
                     let mut above = cell;

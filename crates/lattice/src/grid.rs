@@ -136,5 +136,6 @@ pub(crate) const fn floor_to_u32(x: f64) -> u32 {
 
 /// Returns the least whole number from a value on, 0 for negative ones and NaN.
 pub(crate) fn ceil_to_u32(x: f64) -> u32 {
-    floor_to_u32(x.ceil())
+    let floor = floor_to_u32(x);
+    floor.saturating_add(u32::from(f64::from(floor) < x))
 }

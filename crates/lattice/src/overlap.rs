@@ -12,20 +12,30 @@ pub(crate) fn triangle_meets_box(corners: &[Vec3; 3], center: Vec3, half: Vec3) 
     if (0..3).any(|k| low[k] > half[k] || high[k] < -half[k]) {
         return false;
     }
-    let is_separating = |axis: Vec3| {
-        let at = [a, b, c].map(|p| axis.dot(&p));
-        let reach = half.dot(&axis.abs());
-        let least = at[0].min(at[1]).min(at[2]);
-        let most = at[0].max(at[1]).max(at[2]);
-        least > reach || most < -reach
-    };
     let edges = [b - a, c - b, a - c];
-    let across = edges.iter().flat_map(|e| {
-        let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
-        axes.map(|axis| axis.cross(e))
-    });
     let normal = edges[0].cross(&edges[1]);
-    !std::iter::once(normal).chain(across).any(is_separating)
+    let reach = half.dot(&normal.abs());
+    // The plane has one distance from the center; three cover the rounding errors.
+    let at = [normal.dot(&a), normal.dot(&b), normal.dot(&c)];
+    if is_beyond(at, reach) {
+        return false;
+    }
+    // Cross products of an edge with an axis of the box: components along the other two.
+    edges.iter().all(|e| {
+        (0..3).all(|k| {
+            let [u, v] = [(k + 1) % 3, (k + 2) % 3];
+            let along = |p: &Vec3| e[u] * p[v] - e[v] * p[u];
+            let reach = half[u] * e[v].abs() + half[v] * e[u].abs();
+            !is_beyond([along(&a), along(&b), along(&c)], reach)
+        })
+    })
+}
+
+/// Returns whether three coordinates along an axis are all beyond one end of a box.
+fn is_beyond(at: [f64; 3], reach: f64) -> bool {
+    let least = at[0].min(at[1]).min(at[2]);
+    let most = at[0].max(at[1]).max(at[2]);
+    least > reach || most < -reach
 }
 
 /// Returns whether an edge meets a box, given by two corners.

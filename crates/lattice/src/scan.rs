@@ -67,6 +67,11 @@ impl<'a> Lines<'a> {
         self.grid.counts()[axis] * LINES
     }
 
+    fn line_count(&self) -> u32 {
+        let [u, v] = self.across();
+        self.count(u) * self.count(v)
+    }
+
     /// Returns the coordinate of a scanline along an axis across it \[m\].
     fn at(&self, axis: usize, number: u32) -> f64 {
         let offset = f64::from(number) + OFFSETS[axis];
@@ -152,9 +157,8 @@ impl Scan {
             owners: vec![NONE; counts[0] * counts[1] * counts[2]],
             ..Self::default()
         };
-        for axis in 0..3 {
+        for (axis, crossings) in crossings(grid, skin).into_iter().enumerate() {
             let lines = Lines::new(grid, axis);
-            let crossings = crossings(&lines, skin);
             let mut from = 0;
             let is_new = |a: &Crossing, b: &Crossing| (a.line, a.piece) != (b.line, b.piece);
             for i in 1..=crossings.len() {
@@ -268,77 +272,127 @@ impl Scan {
     }
 }
 
-/// Returns the crossings of all lines along an axis with a surface, by line, piece and place.
+/// Returns the crossings of all lines along each axis with a surface, by line, piece and place.
 ///
 /// At one place exits come before entries, so that coincident walls end and begin spans.
-fn crossings(lines: &Lines<'_>, skin: &Skin) -> Vec<Crossing> {
-    let [u, v] = lines.across();
-    let mut found = Vec::new();
+fn crossings(grid: &Grid, skin: &Skin) -> [Vec<Crossing>; 3] {
+    let axes = [0, 1, 2].map(|axis| Lines::new(grid, axis));
+    let mut found = [const { Vec::new() }; 3];
     for ((triangle, corners), &piece) in (0..).zip(&skin.corners).zip(&skin.pieces) {
-        let range = |axis: usize| {
-            let at = corners.map(|p| p[axis]);
-            let low = at[0].min(at[1]).min(at[2]);
-            lines.between(axis, low, at[0].max(at[1]).max(at[2]))
-        };
-        let (columns, rows) = (range(u), range(v));
-        for j in rows {
-            for i in columns.clone() {
-                let place = [lines.at(u, i), lines.at(v, j)];
-                if let Some((at, leaves)) = crossing(corners, lines.axis, [u, v], place) {
-                    found.push(Crossing {
-                        line: j * lines.count(u) + i,
-                        piece,
-                        at,
-                        leaves,
-                        triangle,
-                    });
+        let [a, b, c] = corners;
+        let (low, high) = (a.inf(b).inf(c), a.sup(b).sup(c));
+        let ranges = [0, 1, 2].map(|axis| axes[axis].between(axis, low[axis], high[axis]));
+        for (lines, found) in axes.iter().zip(&mut found) {
+            let [u, v] = lines.across();
+            if ranges[u].is_empty() || ranges[v].is_empty() {
+                continue;
+            }
+            let projection = Projection::new(corners, lines.axis, [u, v]);
+            for j in ranges[v].clone() {
+                for i in ranges[u].clone() {
+                    let place = [lines.at(u, i), lines.at(v, j)];
+                    if let Some((at, leaves)) = projection.crossing(place) {
+                        found.push(Crossing {
+                            line: j * lines.count(u) + i,
+                            piece,
+                            at,
+                            leaves,
+                            triangle,
+                        });
+                    }
                 }
             }
         }
     }
-    found.sort_unstable_by(|a, b| {
-        let order = (a.line, a.piece).cmp(&(b.line, b.piece));
-        order
-            .then(a.at.total_cmp(&b.at))
-            .then(b.leaves.cmp(&a.leaves))
-            .then(a.triangle.cmp(&b.triangle))
-    });
-    found
+    let mut axes = axes.iter();
+    found.map(|found| {
+        let count = axes.next().map_or(0, Lines::line_count);
+        sorted_by_line(&found, count)
+    })
 }
 
-/// Returns where a line along an axis crosses a triangle, and whether it leaves the body there.
-///
-/// An edge gives both of its triangles the same answer, so that no line slips between them.
-fn crossing(
-    corners: &[Vec3; 3],
-    axis: usize,
-    [u, v]: [usize; 2],
-    place: [f64; 2],
-) -> Option<(f64, bool)> {
-    let is_left = |from: &Vec3, to: &Vec3| {
-        let is_ordered = from.as_slice() < to.as_slice();
-        let (a, b) = if is_ordered { (from, to) } else { (to, from) };
-        let cross = (b[u] - a[u]) * (place[1] - a[v]) - (b[v] - a[v]) * (place[0] - a[u]);
-        (cross >= 0.0) == is_ordered
-    };
-    let [a, b, c] = corners;
-    let leaves = is_left(a, b);
-    if is_left(b, c) != leaves || is_left(c, a) != leaves {
-        return None;
+/// Sorts the crossings of lines: by counting, then the few of each line.
+fn sorted_by_line(found: &[Crossing], line_count: u32) -> Vec<Crossing> {
+    let mut ends = vec![0u32; line_count as usize + 1];
+    for crossing in found {
+        ends[crossing.line as usize + 1] += 1;
     }
-    let mut sorted = *corners;
-    sorted.sort_by(|a, b| {
-        a.as_slice()
-            .partial_cmp(b.as_slice())
-            .unwrap_or(std::cmp::Ordering::Equal)
-    });
-    let [first, second] = [1, 2].map(|i| sorted[i] - sorted[0]);
-    let determinant = first[u] * second[v] - first[v] * second[u];
-    let (x, y) = (place[0] - sorted[0][u], place[1] - sorted[0][v]);
-    let parts = [
-        (x * second[v] - y * second[u]) / determinant,
-        (first[u] * y - first[v] * x) / determinant,
-    ];
-    let at = sorted[0][axis] + parts[0] * first[axis] + parts[1] * second[axis];
-    (determinant != 0.0).then_some((at, leaves))
+    for line in 1..ends.len() {
+        ends[line] += ends[line - 1];
+    }
+    let mut sorted = found.to_vec();
+    for crossing in found {
+        let end = &mut ends[crossing.line as usize];
+        sorted[*end as usize] = *crossing;
+        *end += 1;
+    }
+    for line in sorted.chunk_by_mut(|a, b| a.line == b.line) {
+        line.sort_unstable_by(|a, b| {
+            let order = a.piece.cmp(&b.piece).then(a.at.total_cmp(&b.at));
+            order
+                .then(b.leaves.cmp(&a.leaves))
+                .then(a.triangle.cmp(&b.triangle))
+        });
+    }
+    sorted
+}
+
+/// A triangle seen along an axis.
+struct Projection {
+    /// Its corners in lexicographic order.
+    corners: [Vec3; 3],
+    /// Whether the corners go around in the triangle's direction.
+    is_even: bool,
+    /// The other corners from the first one.
+    sides: [Vec3; 2],
+    determinant: f64,
+    axis: usize,
+    across: [usize; 2],
+}
+
+impl Projection {
+    fn new(corners: &[Vec3; 3], axis: usize, [u, v]: [usize; 2]) -> Self {
+        let mut sorted = *corners;
+        let mut is_even = true;
+        for (a, b) in [(0, 1), (1, 2), (0, 1)] {
+            if sorted[b].as_slice() < sorted[a].as_slice() {
+                sorted.swap(a, b);
+                is_even = !is_even;
+            }
+        }
+        let sides = [1, 2].map(|i| sorted[i] - sorted[0]);
+        Self {
+            corners: sorted,
+            is_even,
+            sides,
+            determinant: sides[0][u] * sides[1][v] - sides[0][v] * sides[1][u],
+            axis,
+            across: [u, v],
+        }
+    }
+
+    /// Returns where a line along the axis crosses the triangle, and whether it leaves the body
+    /// there.
+    ///
+    /// An edge gives both of its triangles the same answer, so that no line slips between them.
+    fn crossing(&self, place: [f64; 2]) -> Option<(f64, bool)> {
+        let [u, v] = self.across;
+        let [a, b, c] = &self.corners;
+        let is_left = |a: &Vec3, b: &Vec3| {
+            let cross = (b[u] - a[u]) * (place[1] - a[v]) - (b[v] - a[v]) * (place[0] - a[u]);
+            cross >= 0.0
+        };
+        let is_left_of_all = is_left(a, b);
+        if is_left(b, c) != is_left_of_all || is_left(a, c) == is_left_of_all {
+            return None;
+        }
+        let [first, second] = &self.sides;
+        let (x, y) = (place[0] - a[u], place[1] - a[v]);
+        let parts = [
+            (x * second[v] - y * second[u]) / self.determinant,
+            (first[u] * y - first[v] * x) / self.determinant,
+        ];
+        let at = a[self.axis] + parts[0] * first[self.axis] + parts[1] * second[self.axis];
+        (self.determinant != 0.0).then_some((at, is_left_of_all == self.is_even))
+    }
 }
