@@ -185,5 +185,9 @@ impl Constraints {
             + self.attachments.capacity()
             + self.patch_contents.capacity()
             + self.pieces.capacity()
+            + self
+                .interior
+                .as_ref()
+                .map_or(0, |interior| interior.capacity())
     }
 }

@@ -5,27 +5,20 @@
 
 mod adopt;
 mod embed;
-mod follow;
-mod rest;
 pub(crate) mod energy;
+mod follow;
 mod masses;
+mod rest;
 
 use crate::constraints::cells::{CellSet, CellState};
 use crate::error::ConstraintError;
-use crate::kernels::cells::CellConstants;
+use crate::kernels::cells::{CellConstants, RESOLVED};
 use crate::kernels::points::Near;
 use crate::material::Solid;
 use crate::particles::Pin;
 use follow::EditScratch;
 use incise_lattice::{Lattice, LatticeParams};
 use incise_mesh::{Surface, VertexId};
-
-/// Largest ratio of stiffness to mass of a cell that a substep resolves, `(h omega)^2` by the bound
-/// of the inverse mass of its strain.
-///
-/// The prediction repeats the forces of the last substep up to this ratio, and a share of them
-/// beyond. Random motion in seven bodies decays up to 11 at least when all of them are repeated.
-pub(crate) const RESOLVED: f64 = 8.0;
 
 /// Maximum number of parts of a substep for stiffness.
 const MAX_PARTS: f64 = 8.0;
@@ -38,9 +31,8 @@ pub(crate) struct Interior {
     pub(crate) positions: Vec<[f32; 4]>,
     /// Velocity [m/s], last component 0, shape \[nodes\].
     pub(crate) velocities: Vec<[f32; 4]>,
-    /// Displacement by the forces of the last substep \[m\], which the next one repeats, shape
-    /// \[nodes\].
-    pub(crate) repeated: Vec<[f32; 4]>,
+    /// Forces of cells in the last substep \[N\], which the next one repeats, shape \[nodes\].
+    pub(crate) node_forces: Vec<[f32; 4]>,
     /// Mass \[kg\], shape \[nodes\].
     pub(crate) mass: Vec<f32>,
     pub(crate) cells: CellSet,
@@ -52,11 +44,13 @@ pub(crate) struct Interior {
     pub(crate) pin_starts: Vec<[f32; 3]>,
     /// Vertices that colliders may reach in the frame.
     pub(crate) near: Vec<Near>,
+    /// Mass by rest area at creation [kg/m^2].
+    area_density: f64,
     /// Volume of the surface by that of the scanlines.
     volume_scale: f64,
     scratch: EditScratch,
-    /// Largest product of the inverse mass and the fraction of a cell [1/(kg m²)].
-    stiffest: f64,
+    /// Mean product of the inverse mass and the fraction of a cell, by volume [1/(kg m²)].
+    mean_stiff: f64,
     /// Checksum of the positions of vertices as they were embedded.
     embedded: u64,
     /// Whether the caller has set velocities of vertices.
@@ -88,21 +82,26 @@ impl Interior {
         let mut interior = Self {
             positions: vec![[0.0; 4]; nodes],
             velocities: vec![[0.0; 4]; nodes],
-            repeated: vec![[0.0; 4]; nodes],
+            node_forces: vec![[0.0; 4]; nodes],
             mass: vec![0.0; nodes],
             cells,
             inverse_masses: Vec::new(),
             last_pins: Vec::new(),
             pin_starts: Vec::new(),
             near: Vec::new(),
+            area_density: mass / surface.lumped_rest_areas().iter().sum::<f64>(),
             volume_scale: 1.0,
             scratch: EditScratch::default(),
-            stiffest: 0.0,
+            mean_stiff: 0.0,
             embedded: 0,
             has_new_velocities: false,
             lattice,
         };
-        for (x, rest) in interior.positions.iter_mut().zip(&interior.lattice.node_positions) {
+        for (x, rest) in interior
+            .positions
+            .iter_mut()
+            .zip(&interior.lattice.node_positions)
+        {
             *x = embed::to_row(*rest);
         }
         interior.set_masses(surface, mass);
@@ -111,33 +110,36 @@ impl Interior {
         Ok(interior)
     }
 
+    /// Returns the mass per area that vertices share [kg/m^2].
+    pub(crate) fn area_density(&self) -> f64 {
+        self.area_density
+    }
+
     /// Returns the coefficients of the cells in a substep of `h` \[s\].
     #[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
     pub(crate) fn constants(&self, solid: &Solid, h: f32) -> CellConstants {
         let size = self.lattice.grid.cell_size();
         let square = f64::from(h) * f64::from(h);
         let [shape, volume, hourglass] = stiffness(solid, size).map(|k| (k * square) as f32);
-        let ratio = self.ratio(solid, f64::from(h));
-        let kept = if ratio > RESOLVED { RESOLVED / ratio } else { 1.0 };
         CellConstants {
-            scale: (0.25 / size) as f32,
-            unit: (0.25 / size) as f32 * (4.0 * size) as f32,
+            scale: self.derivative_scale(),
+            unit: self.derivative_scale() * (4.0 * size) as f32,
             shape,
             volume,
             hourglass,
-            kept: kept as f32,
             square: square as f32,
             viscous: 1.0 + solid.relaxation_time / h,
         }
     }
 
-    /// Returns the largest `(h omega)^2` of a cell alone in a substep of `h` \[s\].
-    fn ratio(&self, solid: &Solid, h: f64) -> f64 {
-        let [_, volume, _] = stiffness(solid, self.lattice.grid.cell_size());
-        self.stiffest * volume * h * h
+    /// Returns one by four cell sizes [1/m], by which modes are derivatives.
+    #[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
+    pub(crate) fn derivative_scale(&self) -> f32 {
+        (0.25 / self.lattice.grid.cell_size()) as f32
     }
 
-    /// Returns the number of parts of a substep of `h` \[s\] that resolve the stiffness.
+    /// Returns the number of parts of a substep of `h` \[s\] in which most of the body is
+    /// [resolved](RESOLVED).
     ///
     /// At most [`MAX_PARTS`]: a stiffer body is softer than its material.
     #[expect(
@@ -146,7 +148,10 @@ impl Interior {
         reason = "a whole number between 1 and its maximum"
     )]
     pub(crate) fn needed_parts(&self, solid: &Solid, h: f32) -> u32 {
-        let parts = (self.ratio(solid, f64::from(h)) / RESOLVED).sqrt().ceil();
+        let [_, volume, _] = stiffness(solid, self.lattice.grid.cell_size());
+        let h = f64::from(h);
+        let ratio = self.mean_stiff * volume * h * h;
+        let parts = (ratio / f64::from(RESOLVED)).sqrt().ceil();
         parts.clamp(1.0, MAX_PARTS) as u32
     }
 
@@ -172,7 +177,7 @@ impl Interior {
     pub(crate) fn capacity(&self) -> usize {
         self.positions.capacity()
             + self.velocities.capacity()
-            + self.repeated.capacity()
+            + self.node_forces.capacity()
             + self.mass.capacity()
             + self.cells.capacity()
     }
@@ -185,7 +190,10 @@ impl Interior {
 /// stiffness is `4 E s / 3`. Across three or more cells a linear strain in each is the more
 /// accurate one of a shear mode; 0.9 of that of the beam is between both.
 pub(crate) fn stiffness(solid: &Solid, size: f64) -> [f64; 3] {
-    let (young, poisson) = (f64::from(solid.young_modulus), f64::from(solid.poisson_ratio));
+    let (young, poisson) = (
+        f64::from(solid.young_modulus),
+        f64::from(solid.poisson_ratio),
+    );
     let volume = size * size * size;
     [
         young / (1.0 + poisson) * volume,

@@ -106,7 +106,10 @@ impl Solver {
             }
             None => Constraints::new(surface, material, patches)?,
         };
-        let inverse_masses = particles.mass.iter().filter(|_| constraints.interior.is_none());
+        let inverse_masses = particles
+            .mass
+            .iter()
+            .filter(|_| constraints.interior.is_none());
         for (position, &mass) in surface.positions_mut().iter_mut().zip(inverse_masses) {
             position[3] = inverse(mass);
         }

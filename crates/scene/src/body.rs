@@ -320,6 +320,11 @@ impl Body {
             } = self;
             let delta = &outcome.delta;
             spring_search.follow_cut(surface, solver, cutter, sweep, delta, threads)?;
+            // The vertices of cells that were divided may have moved a little.
+            if solver.is_solid() {
+                self.stale = true;
+                self.loose_bounds = None;
+            }
         }
         Ok(BodyCut {
             cut,

@@ -37,6 +37,6 @@ pub fn follow_cut(
         solver.follow_delta(read, delta, threads)
     };
     followed?;
-    solver.write_inverse_masses(surface);
+    solver.finish_delta(surface, delta);
     Ok(())
 }

@@ -18,9 +18,7 @@ pub fn cuboid(half: [f64; 3], squares: [u32; 3]) -> Surface {
     let squares = squares.map(|n| n.max(1));
     let (points, quads) = quads(squares);
     let place = |point: &[u32; 3]| {
-        Vec3::from_fn(|k, _| {
-            half[k] * (2.0 * f64::from(point[k]) / f64::from(squares[k]) - 1.0)
-        })
+        Vec3::from_fn(|k, _| half[k] * (2.0 * f64::from(point[k]) / f64::from(squares[k]) - 1.0))
     };
     let points: Vec<Vec3> = points.iter().map(place).collect();
     let mut faces = Vec::with_capacity(2 * quads.len());

@@ -2,6 +2,7 @@
 
 use crate::constraints::batches::{OVERFLOW, Slot};
 use crate::constraints::coloring::VertexColors;
+use crate::kernels::cells::add_forces;
 use bytemuck::{Pod, Zeroable};
 use incise_lattice::Moments;
 use incise_mesh::VertexId;
@@ -68,10 +69,11 @@ impl Default for CellState {
 }
 
 impl CellState {
-    /// Returns the state of a part with a share of the volume, at most all of it.
+    /// Returns the state of a part, given its volume and that of the whole \[cells\].
     #[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
-    pub(crate) fn of_part(mut self, share: f64) -> Self {
-        let share = share.clamp(0.0, 1.0) as f32;
+    pub(crate) fn of_part(mut self, volumes: [f64; 2]) -> Self {
+        let [part, whole] = volumes.map(|volume| volume.clamp(MIN_FRACTION, 1.0));
+        let share = (part / whole).min(1.0) as f32;
         for force in self.stress.iter_mut().chain(&mut self.hourglass) {
             *force *= share;
         }
@@ -157,11 +159,6 @@ impl CellSet {
         let batches = self.batches.iter().enumerate();
         let filled = batches.chain([(OVERFLOW, &self.overflow)]);
         filled.filter_map(|(number, batch)| (batch.len > 0).then_some(number))
-    }
-
-    /// Returns the number of cells.
-    pub(crate) fn len(&self) -> usize {
-        self.all().map(CellBatch::len).sum()
     }
 
     /// Returns all batches, the overflow last.
@@ -252,20 +249,46 @@ impl CellSet {
         } else {
             &self.batches[color]
         };
-        state(&batch.blocks[index / CELLS_PER_BLOCK], index % CELLS_PER_BLOCK)
+        state(
+            &batch.blocks[index / CELLS_PER_BLOCK],
+            index % CELLS_PER_BLOCK,
+        )
+    }
+
+    /// Sets the forces of cells on changed nodes \[N\], with one by four cell sizes [1/m].
+    pub(crate) fn sum_forces(
+        &self,
+        node_forces: &mut [[f32; 4]],
+        scale: f32,
+        is_changed: impl Fn(NodeId) -> bool,
+    ) {
+        for (i, force) in node_forces.iter_mut().enumerate() {
+            if is_changed(NodeId::from_index(i)) {
+                *force = [0.0; 4];
+            }
+        }
+        for batch in self.all() {
+            for index in 0..batch.len {
+                let (block, lane) = (index / CELLS_PER_BLOCK, index % CELLS_PER_BLOCK);
+                let block = &batch.blocks[block];
+                if block.nodes[lane].iter().any(|&node| is_changed(node)) {
+                    add_forces(node_forces, block, lane, scale, &is_changed);
+                }
+            }
+        }
     }
 
     /// Sets the inverse masses of the rows of cells with a changed node, from those of nodes
     /// [1/kg].
     ///
-    /// Returns the largest product of a cell's inverse mass and its fraction [1/(kg m²)].
+    /// Returns the mean product of a cell's inverse mass and its fraction by volume [1/(kg m²)].
     pub(crate) fn set_weights(
         &mut self,
         inverse_mass: impl Fn(NodeId) -> f32,
         is_changed: impl Fn(NodeId) -> bool,
         cell_size: f64,
     ) -> f64 {
-        let mut largest = 0.0;
+        let (mut sum, mut volume) = (0.0, 0.0);
         let batches = self.batches.iter_mut().chain([&mut self.overflow]);
         for batch in batches {
             for index in 0..batch.len {
@@ -274,11 +297,12 @@ impl CellSet {
                     let masses = block.nodes[lane].map(|node| f64::from(inverse_mass(node)));
                     set_weights(block, lane, masses, cell_size);
                 }
-                let stiff = f64::from(block.strain_weight[lane]) * f64::from(block.fraction[lane]);
-                largest = f64::max(largest, stiff);
+                let fraction = f64::from(block.fraction[lane]);
+                sum += f64::from(block.strain_weight[lane]) * fraction * fraction;
+                volume += fraction;
             }
         }
-        largest
+        if volume > 0.0 { sum / volume } else { 0.0 }
     }
 }
 
@@ -343,7 +367,12 @@ fn copy_cell(from: &CellBlock, lane: usize, to: &mut CellBlock, to_lane: usize) 
 fn set_shape(block: &mut CellBlock, lane: usize, moments: &Moments) {
     let [x, y, z] = moments.spread;
     // Mode xy bends along x and y, mode xyz along all axes.
-    let bending = [(x + y) / 2.0, (y + z) / 2.0, (z + x) / 2.0, (x + y + z) / 3.0];
+    let bending = [
+        (x + y) / 2.0,
+        (y + z) / 2.0,
+        (z + x) / 2.0,
+        (x + y + z) / 3.0,
+    ];
     block.fraction[lane] = moments.fraction.clamp(MIN_FRACTION, 1.0) as f32;
     set_row(&mut block.center, lane, moments.center.map(|c| c as f32));
     let bending = bending.map(|b| b.max(MIN_FRACTION) as f32);
@@ -382,4 +411,3 @@ fn set_weights(block: &mut CellBlock, lane: usize, inverse_masses: [f64; 8], siz
     let weight = bound(0).max(bound(1)).max(bound(2));
     block.strain_weight[lane] = weight as f32;
 }
-

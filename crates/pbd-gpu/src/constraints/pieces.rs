@@ -82,14 +82,15 @@ impl PieceVertices {
         self.generation += 1;
         let count = lattice.node_positions.len();
         let mut sets = Partition::new(count);
-        for nodes in &lattice.nodes {
-            for &node in &nodes[1..] {
-                sets.join(nodes[0], node);
+        for (copy, nodes) in (0..).zip(&lattice.nodes) {
+            if lattice.is_copy(copy) {
+                for &node in &nodes[1..] {
+                    sets.join(nodes[0], node);
+                }
             }
         }
-        let mut order: Vec<(u32, u32)> = (0..index_u32(count))
-            .map(|node| (sets.find(node), node))
-            .collect();
+        let nodes = (0..index_u32(count)).filter(|&node| lattice.is_node(node));
+        let mut order: Vec<(u32, u32)> = nodes.map(|node| (sets.find(node), node)).collect();
         order.sort_unstable();
         self.vertices.clear();
         self.ends.clear();

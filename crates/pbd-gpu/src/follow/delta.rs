@@ -7,6 +7,7 @@ use crate::constraints::Constraints;
 use crate::constraints::edges::{EdgeLists, EdgeTable, Sets};
 use crate::error::ConstraintError;
 use crate::follow::{FollowState, Scratch};
+use crate::mass::lumped_area;
 use crate::particles::Particles;
 use incise_mesh::{Surface, TopologyDelta, VertexId};
 use std::num::NonZeroUsize;
@@ -25,6 +26,11 @@ pub(crate) fn check(
             return Err(ConstraintError::DeltaMismatch { triangle });
         }
     }
+    check_added(surface, delta)
+}
+
+/// Checks that a delta matches the surface, and that new vertices are finite.
+pub(crate) fn check_added(surface: &Surface, delta: &TopologyDelta) -> Result<(), ConstraintError> {
     for &triangle in &delta.triangles_added {
         if !surface.topology().is_triangle(triangle) {
             return Err(ConstraintError::DeltaUnknownTriangle { triangle });
@@ -104,6 +110,36 @@ impl FollowState {
         }
         // A backend that steps all slots also needs new unused ones.
         (before..slots).for_each(|i| self.log.mark_vertex(VertexId::from_index(i)));
+    }
+
+    /// Updates velocities, pins and masses of the vertices of a solid after a checked edit, given its
+    /// mass per area [kg/m^2].
+    #[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
+    pub(crate) fn apply_solid_delta(
+        &mut self,
+        particles: &mut Particles,
+        surface: &Surface,
+        delta: &TopologyDelta,
+        density: f64,
+    ) {
+        let slots = surface.topology().vertex_slots();
+        particles.resize(slots.max(particles.len()));
+        interpolate(&mut particles.velocities, delta);
+        let mut pins_changed =
+            (self.dropped_pins).restore_pins(particles, delta, &mut self.scratch.restored);
+        pins_changed |= self.dropped_pins.drop_pins(particles, surface, delta);
+        if pins_changed {
+            self.log.mark_pins();
+        }
+        for &v in &delta.vertices_removed {
+            particles.mass[v.index()] = 0.0;
+            particles.velocities[v.index()] = [0.0; 4];
+        }
+        let corners = delta.triangles_added.iter();
+        for v in corners.flat_map(|&t| surface.topology().triangle(t)) {
+            particles.mass[v.index()] = (density * lumped_area(surface, v)) as f32;
+        }
+        particles.resize(slots);
     }
 
     /// Writes the inverse masses of the vertices that the last edit affected.

@@ -40,6 +40,8 @@ impl Interior {
             add(&mut self.positions[node], map.at(x));
         }
         self.turn(&maps);
+        let scale = self.derivative_scale();
+        (self.cells).sum_forces(&mut self.node_forces, scale, |_| true);
         self.spread(change, |interior| &mut interior.positions);
     }
 
@@ -63,9 +65,11 @@ impl Interior {
     fn fit(&self, change: impl Fn(&Self, usize) -> Option<Vec3>) -> Vec<Option<Affine>> {
         let count = self.positions.len();
         let mut sets = Partition::new(count);
-        for nodes in &self.lattice.nodes {
-            for pair in nodes.windows(2) {
-                sets.join(pair[0], pair[1]);
+        for (copy, nodes) in (0..).zip(&self.lattice.nodes) {
+            if self.lattice.is_copy(copy) {
+                for pair in nodes.windows(2) {
+                    sets.join(pair[0], pair[1]);
+                }
             }
         }
         // By piece: count, sums of positions and changes, then their products.
@@ -137,7 +141,8 @@ impl Interior {
     fn turn(&mut self, maps: &[Option<Affine>]) {
         for copy in 0..index_u32(self.lattice.nodes.len()) {
             let node = self.lattice.nodes[copy as usize][0] as usize;
-            let Some(map) = maps.get(node).copied().flatten() else {
+            let map = maps.get(node).copied().flatten();
+            let Some(map) = map.filter(|_| self.lattice.is_copy(copy)) else {
                 continue;
             };
             if map.gradient != Matrix3::zeros() {

@@ -90,9 +90,9 @@ impl Interior {
         for new in &change.nodes_added {
             let sources = change.sources(new);
             let sum = |rows: &[[f32; 4]]| {
-                let first = sources.first().map_or(Vec3::zeros(), |source| {
-                    vector(rows[source.node as usize])
-                });
+                let first = sources
+                    .first()
+                    .map_or(Vec3::zeros(), |source| vector(rows[source.node as usize]));
                 let off = |source: &incise_lattice::NodeSource| {
                     (vector(rows[source.node as usize]) - first) * source.weight
                 };
@@ -109,20 +109,20 @@ impl Interior {
         self.cells.resize_nodes(count);
         self.positions.resize(count, [0.0; 4]);
         self.velocities.resize(count, [0.0; 4]);
-        self.repeated.resize(count, [0.0; 4]);
+        self.node_forces.resize(count, [0.0; 4]);
         self.mass.resize(count, 0.0);
         for &node in &change.nodes_removed {
             let node = node as usize;
             self.positions[node] = [0.0; 4];
             self.velocities[node] = [0.0; 4];
-            self.repeated[node] = [0.0; 4];
+            self.node_forces[node] = [0.0; 4];
             self.mass[node] = 0.0;
         }
         for (new, &[position, velocity]) in change.nodes_added.iter().zip(&*added) {
             let node = new.node as usize;
             self.positions[node] = position;
             self.velocities[node] = velocity;
-            self.repeated[node] = [0.0; 4];
+            self.node_forces[node] = [0.0; 4];
         }
     }
 
@@ -135,7 +135,9 @@ impl Interior {
             if let Ok(i) = removed.binary_search_by_key(&parent, |own| own.0) {
                 return Some((removed[i].1, removed[i].2));
             }
-            let changed = change.copies_changed.binary_search_by_key(&parent, |own| own.copy);
+            let changed = change
+                .copies_changed
+                .binary_search_by_key(&parent, |own| own.copy);
             let moments = match changed {
                 Ok(i) => change.copies_changed[i].moments,
                 Err(_) => interior.lattice.moments[parent as usize],
@@ -148,14 +150,14 @@ impl Interior {
             .map(|added| {
                 let fraction = self.lattice.moments[added.copy as usize].fraction;
                 of_parent(self, added.parent)
-                    .map(|(state, whole)| state.of_part(fraction / whole))
+                    .map(|(state, whole)| state.of_part([fraction, whole]))
                     .unwrap_or_default()
             })
             .collect();
         for old in &change.copies_changed {
             let state = self.cells.remove(old.copy);
             let fraction = self.lattice.moments[old.copy as usize].fraction;
-            self.insert_cell(old.copy, &state.of_part(fraction / old.moments.fraction));
+            self.insert_cell(old.copy, &state.of_part([fraction, old.moments.fraction]));
         }
         for (added, state) in change.copies_added.iter().zip(states) {
             self.insert_cell(added.copy, &state);
@@ -210,7 +212,9 @@ impl Interior {
         let square = Matrix3::identity() * center.norm_squared() - center * center.transpose();
         let inertia = now.inertia - square * now.mass;
         let regular = inertia + Matrix3::identity() * (1e-6 * inertia.trace());
-        let rate = regular.try_inverse().map_or(Vec3::zeros(), |inverse| inverse * turn);
+        let rate = regular
+            .try_inverse()
+            .map_or(Vec3::zeros(), |inverse| inverse * turn);
         let velocity = lost / now.mass;
         for node in nodes {
             let node = node as usize;

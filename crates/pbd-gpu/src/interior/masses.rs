@@ -42,7 +42,9 @@ impl Interior {
         let inverse_mass = |node: VertexId| positions[node.index()][3];
         let size = self.lattice.grid.cell_size();
         let of_node = |node: VertexId| is_changed[node.index()];
-        self.stiffest = self.cells.set_weights(inverse_mass, of_node, size);
+        self.mean_stiff = self.cells.set_weights(inverse_mass, of_node, size);
+        let scale = self.derivative_scale();
+        (self.cells).sum_forces(&mut self.node_forces, scale, of_node);
         let slots = surface.positions().len();
         self.inverse_masses.resize(slots, 0.0);
         for slot in 0..slots {

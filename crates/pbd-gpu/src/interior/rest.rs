@@ -63,7 +63,10 @@ impl Interior {
     fn rest_of(&self, copy: u32, target: Vec3, guess: Vec3) -> Option<Vec3> {
         let nodes = &self.lattice.nodes[copy as usize];
         let grid = &self.lattice.grid;
-        let (cell, size) = (grid.cell(self.lattice.cells[copy as usize]), grid.cell_size());
+        let (cell, size) = (
+            grid.cell(self.lattice.cells[copy as usize]),
+            grid.cell_size(),
+        );
         let x = nodes.map(|node| {
             let [x, y, z, _] = self.positions[node as usize];
             Vec3::new(x.into(), y.into(), z.into())
@@ -73,7 +76,9 @@ impl Interior {
         for _ in 0..MAX_STEPS {
             let weights = grid.weights(cell, at);
             let image = x[0]
-                + (x.iter().zip(weights)).map(|(x_i, b)| (x_i - x[0]) * b).sum::<Vec3>();
+                + (x.iter().zip(weights))
+                    .map(|(x_i, b)| (x_i - x[0]) * b)
+                    .sum::<Vec3>();
             let off = target - image;
             if off.norm() <= CONVERGED * size {
                 return Some(at);
@@ -81,7 +86,13 @@ impl Interior {
             let place = (at - corner) / size;
             let mut gradient = Matrix3::zeros();
             for (i, x_i) in x.iter().enumerate() {
-                let part = |k: usize| if i >> k & 1 == 1 { place[k] } else { 1.0 - place[k] };
+                let part = |k: usize| {
+                    if i >> k & 1 == 1 {
+                        place[k]
+                    } else {
+                        1.0 - place[k]
+                    }
+                };
                 let slope = |k: usize| if i >> k & 1 == 1 { 1.0 } else { -1.0 };
                 let g = Vec3::new(
                     slope(0) * part(1) * part(2),

@@ -8,7 +8,7 @@
 //! exact. Hourglass modes follow, with the strain solved.
 //!
 //! **Repeated forces.** The prediction of a substep repeats the forces of the last one, see
-//! [`super::predict`], and rows solve for their change. So one projection of each cell is in
+//! [`super::predict`], up to [`RESOLVED`]. Rows solve for their change. So one projection of each cell is in
 //! equilibrium at rest, and a spinning body keeps its angular momentum: a force at the positions
 //! where it was found exerts no torque.
 //!
@@ -19,14 +19,22 @@
 mod modes;
 mod rotation;
 
-use super::block::Gather;
+use super::block::{Gather, Transpose};
 use super::lanes::Lanes;
 use super::particle_state::ParticleStates;
 use crate::constraints::cells::{CellBlock, NodeId, Row};
-use modes::{HOURGLASS, Derivatives, Matrix, Vector, to_modes, to_nodes};
-use pulp::Simd;
-use rotation::nearest_rotation;
+use modes::{Derivatives, HOURGLASS, Matrix, Vector, to_modes, to_nodes};
+use pulp::{Scalar, Simd};
+use rotation::{matrix, nearest_rotation};
 use std::cell::Cell;
+
+/// Largest ratio `(h omega)^2 = k w` of a cell whose forces the prediction repeats.
+///
+/// Where all cells deform alike, neighbors undo half of the change that a cell makes, and its force
+/// follows its strain after `(1 + t / h) k w / 2` substeps. The viscosity is that of `1 + t / h`
+/// substeps, one of them numerical. So such a motion decays for `k w < 2`, and would grow beyond. A
+/// stiffer cell repeats the share of its forces that gives this ratio.
+pub(crate) const RESOLVED: f32 = 2.0;
 
 /// Coefficients of the cells of a body in a substep of `h` \[s\].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,8 +49,6 @@ pub(crate) struct CellConstants {
     pub(crate) volume: f32,
     /// Stiffness of the hourglass modes of a full cell, times `h^2` \[kg\].
     pub(crate) hourglass: f32,
-    /// Share of the last forces that the prediction repeats.
-    pub(crate) kept: f32,
     /// `h^2` \[s²\].
     pub(crate) square: f32,
     /// One plus the relaxation time by `h`.
@@ -57,7 +63,6 @@ impl CellConstants {
         shape: 0.0,
         volume: 0.0,
         hourglass: 0.0,
-        kept: 0.0,
         square: 1.0,
         viscous: 1.0,
     };
@@ -81,17 +86,21 @@ struct Forces<S: Simd> {
     hourglass: [Vector<S>; 4],
 }
 
-/// Projects cells, and adds their forces to `next`, the displacement that the next prediction
-/// repeats, shape [particles].
+/// Projects cells, and adds their forces to those of nodes \[N\], shape [particles], which the next
+/// prediction repeats.
 #[inline(always)]
 pub(crate) fn project<G: Gather<L>, const L: usize>(
     gather: G,
     particles: ParticleStates<'_>,
-    next: &[Cell<[f32; 4]>],
+    node_forces: &[Cell<[f32; 4]>],
     cells: Lane<'_>,
     constants: &CellConstants,
 ) {
-    let Lane { block, first, count } = cells;
+    let Lane {
+        block,
+        first,
+        count,
+    } = cells;
     let nodes = nodes::<L>(block, first, count);
     let (x, w) = positions(gather, particles, &nodes);
     let rows = Rows::load(gather, block, first, constants.scale);
@@ -103,33 +112,71 @@ pub(crate) fn project<G: Gather<L>, const L: usize>(
     ];
     let (q, r) = nearest_rotation(gather, f, load_all(gather, &block.rotation, first));
     let mut forces = Forces::load(gather, block, first);
-    forces.scale(constants.kept * constants.square);
+    let (square, per_square) = (constants.square, 1.0 / constants.square);
+    let square = Lanes::splat(gather.simd(), square);
+    forces.scale(square);
     let change = rows.solve(&forces, (&f, &modes, &r), constants);
     for (force, change) in forces.stress.iter_mut().zip(change.stress) {
         *force = *force + change;
     }
     for (force, change) in forces.hourglass.iter_mut().zip(change.hourglass) {
-        *force = [force[0] + change[0], force[1] + change[1], force[2] + change[2]];
+        *force = [
+            force[0] + change[0],
+            force[1] + change[1],
+            force[2] + change[2],
+        ];
     }
     let mut change = rows.impulses(&change, &r);
     for mode in change.as_flattened_mut() {
         *mode = constants.viscous * *mode;
     }
+    forces.scale(per_square * rows.kept(constants));
     let total = rows.impulses(&forces, &r);
-    let change = [to_nodes(change[0]), to_nodes(change[1]), to_nodes(change[2])];
+    let change = [
+        to_nodes(change[0]),
+        to_nodes(change[1]),
+        to_nodes(change[2]),
+    ];
     let total = [to_nodes(total[0]), to_nodes(total[1]), to_nodes(total[2])];
     for i in 0..8 {
-        let change = gather.to_rows([w[i] * change[0][i], w[i] * change[1][i], w[i] * change[2][i]]);
-        let total = gather.to_rows([w[i] * total[0][i], w[i] * total[1][i], w[i] * total[2][i]]);
+        let change = gather.to_rows([
+            w[i] * change[0][i],
+            w[i] * change[1][i],
+            w[i] * change[2][i],
+        ]);
+        let total = gather.to_rows([total[0][i], total[1][i], total[2][i]]);
         for lane in 0..count {
             let node = nodes[lane][i];
             gather.add_d(particles, node, change[lane]);
-            gather.add_row(&next[node.index()], total[lane]);
+            gather.add_row(&node_forces[node.index()], total[lane]);
         }
     }
-    forces.scale(1.0 / constants.square);
     store_all::<G::S, L, 4>(&mut block.rotation, first, count, q);
     forces.store::<L>(block, first, count);
+}
+
+/// Adds the forces of one cell to those of the nodes that `is_changed` holds for \[N\].
+pub(crate) fn add_forces(
+    node_forces: &mut [[f32; 4]],
+    block: &CellBlock,
+    lane: usize,
+    scale: f32,
+    is_changed: impl Fn(NodeId) -> bool,
+) {
+    let gather = Transpose(Scalar);
+    let rows = Rows::load::<_, 1>(gather, block, lane, scale);
+    let forces = Forces::load::<_, 1>(gather, block, lane);
+    let r = matrix(load_all::<_, 1, 4>(gather, &block.rotation, lane));
+    let modes = rows.impulses(&forces, &r);
+    for k in 0..3 {
+        let at_nodes = to_nodes(modes[k]);
+        for (&node, force) in block.nodes[lane].iter().zip(at_nodes) {
+            if is_changed(node) {
+                let [force] = force.to_array::<1>();
+                node_forces[node.index()][k] += force;
+            }
+        }
+    }
 }
 
 /// The rows of cells: their gradients, inverse masses and stiffnesses relative to a full cell.
@@ -156,6 +203,15 @@ impl<S: Simd> Rows<S> {
             strain_weight: load(gather, &block.strain_weight, first),
             mode_weights: load_all(gather, &block.mode_weights, first),
         }
+    }
+
+    /// Returns the share of the forces that the next prediction repeats.
+    #[inline(always)]
+    fn kept(&self, constants: &CellConstants) -> Lanes<S> {
+        let ratio = (constants.volume * self.fraction) * self.strain_weight;
+        let one = Lanes::splat(ratio.simd(), 1.0);
+        let resolved = Lanes::splat(ratio.simd(), RESOLVED);
+        ratio.gt(resolved).select(resolved / ratio, one)
     }
 
     /// Returns the change of elastic forces that solves the rows, given those that act already.
@@ -308,7 +364,7 @@ impl<S: Simd> Forces<S> {
     }
 
     #[inline(always)]
-    fn scale(&mut self, by: f32) {
+    fn scale(&mut self, by: Lanes<S>) {
         for force in &mut self.stress {
             *force = by * *force;
         }

@@ -11,19 +11,16 @@ use super::particle_state::{ParticleState, ParticleStates};
 use crate::step::constants::StepConstants;
 use std::cell::Cell;
 
-/// Adds a share of the displacements by the last forces of cells to the predicted ones, and clears
-/// them.
+/// Adds the displacements by the last forces of cells on nodes \[N\] to the predicted ones, and
+/// clears the forces. `square` is that of the substep [s²].
 #[inline(always)]
-pub(crate) fn repeat_forces(
-    particles: ParticleStates<'_>,
-    repeated: &[Cell<[f32; 4]>],
-    kept: f32,
-) {
-    for (cell, repeated) in particles.iter().zip(repeated) {
+pub(crate) fn repeat_forces(particles: ParticleStates<'_>, forces: &[Cell<[f32; 4]>], square: f32) {
+    for (cell, force) in particles.iter().zip(forces) {
         let ParticleState { x, mut d } = cell.get();
-        let last = repeated.replace([0.0; 4]);
+        let by = square * x[3];
+        let force = force.replace([0.0; 4]);
         for k in 0..3 {
-            d[k] += kept * last[k];
+            d[k] += by * force[k];
         }
         cell.set(ParticleState { x, d });
     }

@@ -2,8 +2,8 @@
 
 use super::team::{Leader, with_team};
 use crate::constraints::batches::Part;
-use crate::constraints::contacts::ContactRecord;
 use crate::constraints::cells::{CELLS_PER_BLOCK, CellBatch};
+use crate::constraints::contacts::ContactRecord;
 use crate::kernels::block::{Transpose, WithGather, dispatch};
 use crate::kernels::cells::CellConstants;
 use crate::kernels::colliders::Planes;
@@ -74,7 +74,7 @@ pub(crate) fn sweep_cells(
     leader: &mut Leader<'_>,
     arch: Arch,
     particles: ParticleStates<'_>,
-    repeated: &[Cell<[f32; 4]>],
+    node_forces: &[Cell<[f32; 4]>],
     batch: &mut CellBatch,
     constants: &CellConstants,
 ) {
@@ -85,9 +85,9 @@ pub(crate) fn sweep_cells(
         blocks.div_ceil(leader.members() * CHUNKS_PER_MEMBER)
     };
     // The cells of a color share no node, and every chunk has its own blocks.
-    let shared = Shared((particles, repeated, batch.blocks.as_mut_ptr()));
+    let shared = Shared((particles, node_forces, batch.blocks.as_mut_ptr()));
     leader.run(blocks.div_ceil(size), &|chunk| {
-        let (particles, repeated, all) = *shared.get();
+        let (particles, node_forces, all) = *shared.get();
         let range = chunk * size..blocks.min((chunk + 1) * size);
         let first = range.start * CELLS_PER_BLOCK;
         // SAFETY: the range ends within the slice, those of chunks do not overlap, and every chunk
@@ -95,7 +95,7 @@ pub(crate) fn sweep_cells(
         let blocks = unsafe { std::slice::from_raw_parts_mut(all.add(range.start), range.len()) };
         let work = CellSweep {
             particles,
-            repeated,
+            node_forces,
             count: (count - first).min(blocks.len() * CELLS_PER_BLOCK),
             blocks,
             constants,
@@ -107,14 +107,14 @@ pub(crate) fn sweep_cells(
 /// Projects cells that may share nodes, one after the other.
 pub(crate) fn sweep_cells_serially(
     particles: ParticleStates<'_>,
-    repeated: &[Cell<[f32; 4]>],
+    node_forces: &[Cell<[f32; 4]>],
     batch: &mut CellBatch,
     constants: &CellConstants,
 ) {
     let count = batch.len();
     let sweep = CellSweep {
         particles,
-        repeated,
+        node_forces,
         blocks: &mut batch.blocks,
         count,
         constants,

@@ -44,13 +44,13 @@ impl Solver {
         delta: &TopologyDelta,
     ) -> Result<(), ConstraintError> {
         self.follow_delta(surface, delta, Some(NonZeroUsize::MIN))?;
-        self.write_inverse_masses(surface);
+        self.finish_delta(surface, delta);
         Ok(())
     }
 
     /// Updates particles and constraints after an edit, without writing to the surface.
     ///
-    /// [`Self::write_inverse_masses`] must follow; both together are [`Self::apply_delta`]. The
+    /// [`Self::finish_delta`] must follow; both together are [`Self::apply_delta`]. The
     /// surface is only read, so that a BVH can be updated in parallel. `threads` limits the threads
     /// of a large edit: `None` allows the current rayon pool, and one uses no pool. Results do not
     /// depend on it.
@@ -63,9 +63,19 @@ impl Solver {
         delta: &TopologyDelta,
         threads: Option<NonZeroUsize>,
     ) -> Result<(), ConstraintError> {
-        delta::check(&self.constraints.edges, surface, delta)?;
         let (particles, constraints) = (&mut self.particles, &mut self.constraints);
-        (self.follow).apply_delta(particles, constraints, surface, delta, threads);
+        match &constraints.interior {
+            Some(interior) => {
+                delta::check_added(surface, delta)?;
+                let density = interior.area_density();
+                (self.follow).apply_solid_delta(particles, surface, delta, density);
+                constraints.resize_vertices(surface.topology().vertex_slots());
+            }
+            None => {
+                delta::check(&constraints.edges, surface, delta)?;
+                (self.follow).apply_delta(particles, constraints, surface, delta, threads);
+            }
+        }
         self.constraints.update_volumes(surface, &self.material);
         self.constraints.pieces.invalidate();
         self.constraints.contacts.clear();
@@ -81,9 +91,19 @@ impl Solver {
         Ok(())
     }
 
-    /// Writes the inverse masses that the last edit changed to the surface.
-    pub fn write_inverse_masses(&self, surface: &mut Surface) {
-        (self.follow).write_inverse_masses(&self.particles, surface);
+    /// Writes to the surface what an edit changed: inverse masses, and in a solid the positions and
+    /// rest positions of new vertices.
+    ///
+    /// The rest position of a new vertex of a solid becomes that from which its lattice places the
+    /// vertex where it is.
+    pub fn finish_delta(&mut self, surface: &mut Surface, delta: &TopologyDelta) {
+        match &mut self.constraints.interior {
+            Some(interior) => {
+                interior.set_rest_positions(surface, delta);
+                interior.follow(surface, delta);
+            }
+            None => (self.follow).write_inverse_masses(&self.particles, surface),
+        }
     }
 
     /// Declares that the caller has changed positions in the surface.

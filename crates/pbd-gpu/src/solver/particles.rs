@@ -159,7 +159,11 @@ impl Solver {
         self.constraints.attachments.invalidate();
         self.follow.log.mark_mass(v);
         self.follow.log.mark_pins();
-        surface.positions_mut()[v.index()][3] = self.particles.inverse_mass(v);
+        let inverse_mass = match &self.constraints.interior {
+            Some(interior) => interior.inverse_masses[v.index()],
+            None => self.particles.inverse_mass(v),
+        };
+        surface.positions_mut()[v.index()][3] = inverse_mass;
         Ok(())
     }
 

@@ -378,9 +378,25 @@ impl Frame<'_, '_, '_> {
                         // Contacts of a color share no vertex, but nodes.
                         contacts::contacts(points, carried, &[], list, 0, facing, planes);
                     } else if color == UNCOLORED {
-                        contacts::contacts(particles, carried, corrections, list, 0, facing, planes);
+                        contacts::contacts(
+                            particles,
+                            carried,
+                            corrections,
+                            list,
+                            0,
+                            facing,
+                            planes,
+                        );
                     } else {
-                        sweep_contacts(leader, particles, carried, corrections, list, facing, planes);
+                        sweep_contacts(
+                            leader,
+                            particles,
+                            carried,
+                            corrections,
+                            list,
+                            facing,
+                            planes,
+                        );
                     }
                 }
             }

@@ -124,7 +124,7 @@ impl<'a> Body<'a> {
                     lattice,
                     positions,
                     velocities,
-                    repeated,
+                    node_forces,
                     cells,
                     inverse_masses,
                     pin_starts,
@@ -141,7 +141,7 @@ impl<'a> Body<'a> {
                     pin_starts,
                     near,
                 };
-                (&mut positions[..], velocities, repeated, Some(solid))
+                (&mut positions[..], velocities, node_forces, Some(solid))
             }
             None => (
                 surface.positions_mut(),

@@ -11,9 +11,7 @@ use crate::kernels::stretch::Stretch;
 use crate::kernels::volume::{self, Round, VolumeScratch};
 use crate::kernels::{attachments, colliders, integrate, pins, points, predict};
 use crate::parallel::Leader;
-use crate::parallel::passes::{
-    sweep_cells, sweep_cells_serially, sweep_color, sweep_patches,
-};
+use crate::parallel::passes::{sweep_cells, sweep_cells_serially, sweep_color, sweep_patches};
 use crate::step::body::Body;
 use crate::step::constants::{Projection, StepConstants};
 use crate::step::params::StepStats;
@@ -148,7 +146,7 @@ impl BodyStep<'_, '_, '_> {
         match pass {
             Pass::Predict if body.solid.is_some() => {
                 predict::predict(particles, v, &[], constants);
-                predict::repeat_forces(particles, self.corrections, constants.cells.kept);
+                predict::repeat_forces(particles, self.corrections, constants.cells.square);
             }
             Pass::Predict => predict::predict(particles, v, self.corrections, constants),
             Pass::Cells(batch) => {

@@ -10,7 +10,7 @@ use std::cell::Cell;
 pub(crate) struct CellSweep<'a> {
     pub(crate) particles: ParticleStates<'a>,
     /// Displacements that the next prediction repeats, shape \[nodes\].
-    pub(crate) repeated: &'a [Cell<[f32; 4]>],
+    pub(crate) node_forces: &'a [Cell<[f32; 4]>],
     pub(crate) blocks: &'a mut [CellBlock],
     /// Number of cells of the blocks.
     pub(crate) count: usize,
@@ -24,7 +24,7 @@ impl WithGather for CellSweep<'_> {
     fn with<G: Gather<L>, const L: usize>(self, gather: G) {
         let Self {
             particles,
-            repeated,
+            node_forces,
             blocks,
             count,
             constants,
@@ -35,7 +35,7 @@ impl WithGather for CellSweep<'_> {
                 first: first % CELLS_PER_BLOCK,
                 count: (count - first).min(L),
             };
-            project(gather, particles, repeated, lanes, constants);
+            project(gather, particles, node_forces, lanes, constants);
         }
     }
 }

@@ -23,7 +23,9 @@ impl<'a> IslandPoints<'a, '_> {
     /// Finds an island vertex.
     #[inline(always)]
     fn find(self, v: usize) -> Vertex<'a> {
-        let after = self.bodies.partition_point(|body| body.member.first_vertex <= v);
+        let after = self
+            .bodies
+            .partition_point(|body| body.member.first_vertex <= v);
         let body = &self.bodies[after - 1];
         let slot = v - body.member.first_vertex;
         match &body.arrays.solid {
@@ -76,7 +78,8 @@ impl VertexStates for IslandPoints<'_, '_> {
             Vertex::Particle(i) => self.particles.set(i, to),
             Vertex::Point(points, slot) => {
                 let by = if share != 0.0 { w / share } else { 0.0 };
-                let impulse = |a: [f32; 4], b: [f32; 4]| [0, 1, 2].map(|k: usize| by * (b[k] - a[k]));
+                let impulse =
+                    |a: [f32; 4], b: [f32; 4]| [0, 1, 2].map(|k: usize| by * (b[k] - a[k]));
                 points.push(slot, impulse(from.d, to.d));
                 points.shift(slot, impulse(from.x, to.x));
             }

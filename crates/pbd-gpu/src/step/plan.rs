@@ -166,11 +166,7 @@ impl StepPlan {
         self.generation += 1;
         self.prologue.clear();
         self.prologue.push(Pass::Predict);
-        push_if(
-            &mut self.prologue,
-            key.pins && cells.is_none(),
-            Pass::Pins,
-        );
+        push_if(&mut self.prologue, key.pins && cells.is_none(), Pass::Pins);
         push_if(&mut self.prologue, key.contacts, Pass::ContactFeatures);
         push_if(&mut self.prologue, key.multipliers, Pass::ResetMultipliers);
         push_if(&mut self.prologue, key.global, Pass::BeginGlobal);

@@ -55,7 +55,7 @@ pub(crate) fn prepare(
     let mut constants = constants_of(material, &frame, h, lift, params);
     if let (Some(interior), Some(solid)) = (&constraints.interior, &material.solid) {
         constants.cells = interior.constants(solid, h);
-        constants.lift = constants.cells.kept;
+        constants.lift = 1.0;
     }
     constants.check()?;
     let pieces = constraints.volumes.pieces().iter();

@@ -79,7 +79,10 @@ fn sag(across: u32, squares: u32, dt: f32, poisson_ratio: f32) -> f64 {
     for _ in 0..frames {
         solver.step(&mut surface, dt, &WEIGHTY).unwrap();
     }
-    let ends = surface.topology().vertices().filter(|&v| surface.rest_position(v).x > 0.499);
+    let ends = surface
+        .topology()
+        .vertices()
+        .filter(|&v| surface.rest_position(v).x > 0.499);
     let sags: Vec<f64> = ends
         .map(|v| surface.rest_position(v).y - surface.position(v).y)
         .collect();
@@ -93,7 +96,10 @@ fn sag(across: u32, squares: u32, dt: f32, poisson_ratio: f32) -> f64 {
 fn a_cantilever_sags_like_a_beam() {
     for (across, poisson_ratio) in [(1, 0.4), (2, 0.3), (2, 0.45), (4, 0.3), (4, 0.45)] {
         let ratio = sag(across, 4, DT, poisson_ratio);
-        assert!((ratio - 1.0).abs() < 0.1, "{across} cells, {poisson_ratio}: {ratio}");
+        assert!(
+            (ratio - 1.0).abs() < 0.1,
+            "{across} cells, {poisson_ratio}: {ratio}"
+        );
     }
 }
 
@@ -102,7 +108,10 @@ fn the_sag_depends_neither_on_the_surface_nor_on_frames() {
     let expected = sag(2, 4, DT, 0.4);
     for (squares, dt) in [(2, DT), (8, DT), (4, 1.0 / 30.0), (4, 1.0 / 240.0)] {
         let ratio = sag(2, squares, dt, 0.4) / expected;
-        assert!((ratio - 1.0).abs() < 0.01, "{squares} squares, {dt} s: {ratio}");
+        assert!(
+            (ratio - 1.0).abs() < 0.01,
+            "{squares} squares, {dt} s: {ratio}"
+        );
     }
 }
 
@@ -119,7 +128,10 @@ fn a_hanging_bar_is_as_long_as_hookes_law_says() {
     // Strain is rho g y / E over the length, and cells have the mean strain of their part.
     let expected = 1000.0 * 9.81 / (2.0 * 2e5);
     let stretch = f64::from(-0.5 - low);
-    assert!((stretch / expected - 1.0).abs() < 0.03, "{stretch} m, {expected} m");
+    assert!(
+        (stretch / expected - 1.0).abs() < 0.03,
+        "{stretch} m, {expected} m"
+    );
 }
 
 #[test]
@@ -226,7 +238,10 @@ fn energy_never_rises() {
             for _ in 0..60 {
                 solver.step(&mut surface, DT, &WEIGHTLESS).unwrap();
                 let now = energy(&solver);
-                assert!(now <= start * 1.001, "{now} J of {start} J at {young_modulus} Pa");
+                assert!(
+                    now <= start * 1.001,
+                    "{now} J of {start} J at {young_modulus} Pa"
+                );
             }
             for (x, rest) in surface.rest_positions().to_vec().iter().enumerate() {
                 surface.positions_mut()[x][..3].copy_from_slice(rest);
@@ -243,13 +258,18 @@ fn a_dropped_body_lies_on_the_ground_with_its_volume() {
         set_ground(&mut solver, -1.0);
         let height = |solver: &Solver| -> f64 {
             let nodes = solver.nodes().iter();
-            nodes.map(|x| 9.81 * f64::from(x[1]) / f64::from(x[3])).sum()
+            nodes
+                .map(|x| 9.81 * f64::from(x[1]) / f64::from(x[3]))
+                .sum()
         };
         let start = height(&solver);
         for _ in 0..300 {
             solver.step(&mut surface, DT, &WEIGHTY).unwrap();
             let energy = height(&solver) + solver.kinetic_energy() + solver.elastic_energy();
-            assert!(energy <= start + 1e-3 * start.abs(), "{energy} J of {start} J");
+            assert!(
+                energy <= start + 1e-3 * start.abs(),
+                "{energy} J of {start} J"
+            );
         }
         let low = surface.bounds().min[1];
         assert!((low + 1.0).abs() < 5e-3, "{low}");
@@ -275,7 +295,9 @@ fn pins_hold_and_move() {
         solver.step(&mut surface, DT, &WEIGHTLESS).unwrap();
         for pin in solver.pins() {
             let at = surface.positions()[pin.vertex.index()];
-            let off = (0..3).map(|k| (at[k] - pin.target[k]).abs()).fold(0.0, f32::max);
+            let off = (0..3)
+                .map(|k| (at[k] - pin.target[k]).abs())
+                .fold(0.0, f32::max);
             assert!(off < 1e-4, "{}: {off} m", pin.vertex);
         }
     }
@@ -307,10 +329,13 @@ fn threads_do_not_change_bits() {
 #[test]
 fn surfaces_without_an_inside_are_refused() {
     let mut sheet = incise_mesh::sheet([1.0; 2], [4; 2]);
-    let error = Solver::new(&mut sheet, &Material {
-        density: incise_pbd_gpu::Density::Area(1.0),
-        ..solid(1e5, 0.4, None)
-    });
+    let error = Solver::new(
+        &mut sheet,
+        &Material {
+            density: incise_pbd_gpu::Density::Area(1.0),
+            ..solid(1e5, 0.4, None)
+        },
+    );
     let error = error.unwrap_err();
     assert!(matches!(error, ConstraintError::Lattice(_)), "{error}");
     assert!(error.to_string().contains("open"), "{error}");

@@ -63,10 +63,7 @@ pub(super) fn nearest_rotation<G: Gather<L>, const L: usize>(
     mut q: [Lanes<G::S>; 4],
 ) -> ([Lanes<G::S>; 4], Matrix<G::S>) {
     let simd = gather.simd();
-    let [converged, last_turn] = [
-        Lanes::splat(simd, CONVERGED),
-        Lanes::splat(simd, LAST_TURN),
-    ];
+    let [converged, last_turn] = [Lanes::splat(simd, CONVERGED), Lanes::splat(simd, LAST_TURN)];
     let (max_turn, half) = (Lanes::splat(simd, MAX_TURN), Lanes::splat(simd, 0.5));
     let mut r = matrix(q);
     let mut done = half.lt(half);
@@ -113,10 +110,8 @@ fn turn<S: Simd>(f: Matrix<S>, r: Matrix<S>) -> Vector<S> {
         Lanes::splat(simd, MIN_MINORS[1]),
         Lanes::splat(simd, MIN_MINORS[2]),
     ];
-    let is_positive: Mask<S> = a.gt(min_a)
-        & first[0].gt(min_second)
-        & third.gt(min_second)
-        & determinant.gt(min_third);
+    let is_positive: Mask<S> =
+        a.gt(min_a) & first[0].gt(min_second) & third.gt(min_second) & determinant.gt(min_third);
     let one = Lanes::splat(simd, 1.0);
     let inverse = is_positive.select(one / determinant, one);
     let along = ((y[0][0] + y[1][1]) + y[2][2]).abs() + Lanes::splat(simd, FLAT);
