@@ -1,182 +1,189 @@
 //! Small parts that belong to a neighbor.
+//!
+//! They are settled cluster by cluster. A cluster is a set of small parts that meet in faces. It
+//! depends on its own parts, on the large ones beside them, and on which of those meet each other or
+//! a common large part. So an edit concerns clusters up to two parts away.
 
-use crate::fragments::{Fragments, ROUNDING};
-use crate::grid::Grid;
-use crate::overlap::clip;
+use crate::cell::NONE;
 use crate::parts::Parts;
-use crate::skin::Skin;
-use incise_mesh::{Vec3, index_u32};
+use crate::set::Set;
 
-/// Volume below which a part may belong to a neighbor [cells].
-///
-/// A node has the mass of one cell where eight full ones meet, and an eighth of its part's where it
-/// has one copy: 0.015 of that at this volume. Chosen on a prototype, whose lightest nodes were
-/// above a tenth of the mean with it.
-const MAX_VOLUME: f64 = 0.12;
-
-/// Maximum reach of such a part into its cell [cells].
+/// Maximum reach of a part into its cell by which a neighbor may carry it [cells].
 ///
 /// Weights of a neighbor's corners extrapolate that far, to between -0.3 and 1.3.
-const MAX_REACH: f64 = 0.3;
+const MAX_REACH: f32 = 0.3;
 
-/// Returns, for each part, the part whose nodes carry it: itself or a neighbor.
-///
-/// A part that is the only bridge between its neighbors carries itself.
-pub(crate) fn carriers(grid: &Grid, skin: &Skin, fragments: &Fragments, parts: &Parts) -> Vec<u32> {
-    let count = parts.cells.len();
-    let mut carriers: Vec<u32> = (0..index_u32(count)).collect();
-    let limit = MAX_VOLUME * grid.cell_size().powi(3);
-    let mut small: Vec<u32> = carriers
-        .iter()
-        .copied()
-        .filter(|&part| parts.volumes[part as usize] < limit)
-        .collect();
-    let volume = |part: u32| parts.volumes[part as usize];
-    small.sort_by(|&a, &b| volume(b).total_cmp(&volume(a)).then(a.cmp(&b)));
-    let mut is_settled = vec![true; count];
-    for &part in &small {
-        is_settled[part as usize] = false;
-    }
-    let reaches = reaches(grid, skin, fragments, parts, &is_settled);
-    settle(&small, &reaches, &mut is_settled, &mut carriers);
-    keep_bridges(parts, &mut carriers);
-    for part in 0..count {
-        carriers[part] = last_carrier(&carriers, carriers[part]);
-    }
-    carriers
+/// Memory that the search for clusters reuses.
+#[derive(Debug, Default)]
+pub(crate) struct Clusters {
+    found: Set,
+    /// Parts of all clusters found, one cluster after the other.
+    pub(crate) members: Vec<u32>,
+    ends: Vec<usize>,
+    reaches: Vec<Reach>,
+    by_volume: Vec<u32>,
+    settled: Vec<(u32, u32)>,
 }
 
-/// A neighbor of a small part, and how far that reaches into its cell from their common face
-/// [cells].
+/// A neighbor that could carry a small part.
 #[derive(Debug, Clone, Copy)]
 struct Reach {
     part: u32,
     neighbor: u32,
-    reach: f64,
+    /// Reach of the part from their common face [cells].
+    reach: f32,
 }
 
-/// Returns the reaches of small parts, by part.
-fn reaches(
-    grid: &Grid,
-    skin: &Skin,
-    fragments: &Fragments,
-    parts: &Parts,
-    is_large: &[bool],
-) -> Vec<Reach> {
-    let size = grid.cell_size();
-    let margin = Vec3::repeat(3.0 * ROUNDING * size);
-    let empty = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
-    let mut extents = vec![empty; parts.cells.len()];
-    for fragment in 0..fragments.len() {
-        let part = parts.of_element[fragment as usize] as usize;
-        if is_large[part] {
-            continue;
-        }
-        let low = grid.corner(grid.cell(fragments.cell(fragment)), 0);
-        let high = low + Vec3::repeat(size);
-        let corners = &skin.corners[fragments.triangle(fragment) as usize];
-        for p in clip(corners, low - margin, high + margin) {
-            let at = (p - low) / size;
-            let extent = &mut extents[part];
-            *extent = (extent.0.inf(&at), extent.1.sup(&at));
-        }
-    }
-    let mut reaches = Vec::new();
-    for join in &parts.joins {
-        let mut add = |part: u32, neighbor: u32, reach: f64| {
-            if !is_large[part as usize] && reach < MAX_REACH {
-                reaches.push(Reach {
-                    part,
-                    neighbor,
-                    reach,
-                });
+impl Clusters {
+    /// Finds the clusters that some parts belong to or are beside.
+    pub(crate) fn find(&mut self, parts: &Parts, near: impl Iterator<Item = u32>) {
+        self.found.reset(parts.slots.len());
+        self.members.clear();
+        self.ends.clear();
+        for part in near {
+            self.add(parts, part);
+            for link in &parts.get(part).links {
+                self.add(parts, link.part());
             }
-        };
-        let [low, high] = [join.low, join.high].map(|part| extents[part as usize]);
-        add(join.low, join.high, 1.0 - low.0[join.axis]);
-        add(join.high, join.low, high.1[join.axis]);
+        }
     }
-    reaches.sort_by_key(|reach| (reach.part, reach.neighbor));
-    reaches
+
+    /// Adds the cluster of a small part, unless it is known.
+    fn add(&mut self, parts: &Parts, part: u32) {
+        if !parts.get(part).is_small || !self.found.insert(part) {
+            return;
+        }
+        let from = self.members.len();
+        let mut next = from;
+        self.members.push(part);
+        while let Some(&part) = self.members.get(next) {
+            next += 1;
+            for link in &parts.get(part).links {
+                let other = link.part();
+                if parts.get(other).is_small && self.found.insert(other) {
+                    self.members.push(other);
+                }
+            }
+        }
+        self.members[from..].sort_unstable_by_key(|&part| parts.order(part));
+        self.ends.push(self.members.len());
+    }
+
+    /// Finds the carriers of all parts of the clusters found.
+    pub(crate) fn settle(&mut self, parts: &mut Parts) {
+        let mut from = 0;
+        for &to in &self.ends {
+            let members = &self.members[from..to];
+            from = to;
+            for &part in members {
+                parts.get_mut(part).carrier = NONE;
+            }
+            self.reaches.clear();
+            for &part in members {
+                let own = parts.get(part);
+                let start = self.reaches.len();
+                for link in &own.links {
+                    let reach = own.reaches[link.face()];
+                    if reach < MAX_REACH {
+                        let neighbor = link.part();
+                        self.reaches.push(Reach {
+                            part,
+                            neighbor,
+                            reach,
+                        });
+                    }
+                }
+                let order = |own: &Reach| parts.order(own.neighbor);
+                self.reaches[start..].sort_unstable_by_key(order);
+            }
+            self.by_volume.clear();
+            self.by_volume.extend(members);
+            let volume = |part: &u32| parts.get(*part).sums.length();
+            // Stable, so that equal ones stay in order.
+            self.by_volume
+                .sort_by(|a, b| volume(b).total_cmp(&volume(a)));
+            settle(parts, &self.by_volume, &self.reaches, &mut self.settled);
+            keep_bridges(parts, members);
+            for &part in members {
+                let carrier = last_carrier(parts, part);
+                parts.get_mut(part).carrier = carrier;
+            }
+        }
+    }
 }
 
-/// Gives small parts to settled neighbors, from the large ones on.
+/// Gives the parts of a cluster to settled neighbors, from the large ones on.
 ///
-/// Where no neighbor is near, the largest small part stays.
-fn settle(small: &[u32], reaches: &[Reach], is_settled: &mut [bool], carriers: &mut [u32]) {
-    let mut next = 0;
+/// Where no neighbor is near, the largest part stays.
+fn settle(parts: &mut Parts, by_volume: &[u32], reaches: &[Reach], found: &mut Vec<(u32, u32)>) {
+    let mut largest = by_volume.iter();
     loop {
-        let mut found = Vec::new();
-        for &part in small.iter().filter(|&&part| !is_settled[part as usize]) {
-            let from = reaches.partition_point(|reach| reach.part < part);
-            let own = reaches[from..]
-                .iter()
-                .take_while(|reach| reach.part == part);
-            let near = own.filter(|reach| is_settled[reach.neighbor as usize]);
+        found.clear();
+        for own in reaches.chunk_by(|a, b| a.part == b.part) {
+            if parts.get(own[0].part).carrier != NONE {
+                continue;
+            }
+            let is_settled = |reach: &&Reach| parts.get(reach.neighbor).carrier != NONE;
+            let near = own.iter().filter(is_settled);
             let best = near.min_by(|a, b| a.reach.total_cmp(&b.reach));
-            found.extend(best.map(|reach| (part, reach.neighbor)));
-        }
-        for &(part, neighbor) in &found {
-            carriers[part as usize] = neighbor;
-            is_settled[part as usize] = true;
+            found.extend(best.map(|reach| (reach.part, reach.neighbor)));
         }
         if found.is_empty() {
-            while small
-                .get(next)
-                .is_some_and(|&part| is_settled[part as usize])
-            {
-                next += 1;
-            }
-            match small.get(next) {
-                Some(&part) => is_settled[part as usize] = true,
-                None => return,
-            }
+            let Some(&part) = largest.find(|&&part| parts.get(part).carrier == NONE) else {
+                return;
+            };
+            found.push((part, part));
+        }
+        for &(part, neighbor) in &*found {
+            parts.get_mut(part).carrier = neighbor;
         }
     }
 }
 
-/// Lets parts carry themselves where their neighbors would not be connected without them.
-fn keep_bridges(parts: &Parts, carriers: &mut [u32]) {
+/// Lets parts of a cluster carry themselves where their neighbors would not be connected without
+/// them.
+///
+/// Neighbors are connected directly or by one more part, which is large or of the cluster.
+fn keep_bridges(parts: &mut Parts, members: &[u32]) {
     loop {
-        let mut edges: Vec<[u32; 2]> = Vec::new();
-        for join in &parts.joins {
-            let ends = [join.low, join.high];
-            if ends.iter().all(|&part| carriers[part as usize] == part) {
-                edges.extend([ends, [ends[1], ends[0]]]);
-            }
-        }
-        edges.sort_unstable();
-        edges.dedup();
-        let is_edge = |a: u32, b: u32| edges.binary_search(&[a, b]).is_ok();
-        let has_way = |a: u32, b: u32| {
-            let from = edges.partition_point(|edge| edge[0] < a);
-            let mut beside = edges[from..].iter().take_while(|edge| edge[0] == a);
-            is_edge(a, b) || beside.any(|edge| is_edge(edge[1], b))
-        };
         let mut changed = Vec::new();
-        for join in &parts.joins {
-            let ends = [join.low, join.high];
-            let [a, b] = ends.map(|part| last_carrier(carriers, part));
-            if a != b && !has_way(a, b) {
-                changed.extend(
-                    ends.into_iter()
-                        .filter(|&part| carriers[part as usize] != part),
-                );
+        for &part in members {
+            for link in &parts.get(part).links {
+                let ends = [part, link.part()];
+                let [a, b] = ends.map(|part| last_carrier(parts, part));
+                let order = |part: &u32| parts.order(*part);
+                let is_own = |part: u32| members.binary_search_by_key(&order(&part), order).is_ok();
+                if a == b || (a == ends[0] && b == ends[1]) || has_way(parts, a, b, is_own) {
+                    continue;
+                }
+                let is_carried = |part: &u32| !parts.carries_itself(*part);
+                changed.extend(ends.into_iter().filter(is_carried));
             }
         }
         if changed.is_empty() {
             return;
         }
         for part in changed {
-            carriers[part as usize] = part;
+            parts.get_mut(part).carrier = part;
         }
     }
 }
 
+/// Returns whether two parts meet, or meet a common part.
+fn has_way(parts: &Parts, a: u32, b: u32, is_own: impl Fn(u32) -> bool) -> bool {
+    parts.get(a).links.iter().any(|link| {
+        let between = link.part();
+        let counts = between != b
+            && parts.carries_itself(between)
+            && (!parts.get(between).is_small || is_own(between));
+        between == b || (counts && parts.are_linked(between, b))
+    })
+}
+
 /// Returns the part at the end of a chain of carriers.
-fn last_carrier(carriers: &[u32], mut part: u32) -> u32 {
-    while carriers[part as usize] != part {
-        part = carriers[part as usize];
+fn last_carrier(parts: &Parts, mut part: u32) -> u32 {
+    while !parts.carries_itself(part) {
+        part = parts.get(part).carrier;
     }
     part
 }

@@ -8,6 +8,14 @@ use incise_mesh::{Aabb, Vec3};
 /// times that is still small beside a cell.
 const SLACK: f64 = 0.01;
 
+/// Rounding error of stored positions [cells], by which faces of a body may miss faces of cells.
+///
+/// Of a coordinate up to 16 cells from the origin, stored with 24 bits: 16 / 2^24.
+pub(crate) const ROUNDING: f64 = 1e-6;
+
+/// Margin of cells, within which parts of the surface count as theirs [cells].
+pub(crate) const MARGIN: f64 = 3.0 * ROUNDING;
+
 /// A regular lattice of cubes in rest space.
 ///
 /// It stays where it is. Cuts only change which parts of a body its cells hold.
@@ -15,6 +23,8 @@ const SLACK: f64 = 0.01;
 pub struct Grid {
     origin: Vec3,
     cell_size: f64,
+    /// Number of cells in 1 m.
+    density: f64,
     counts: [u32; 3],
 }
 
@@ -31,6 +41,7 @@ impl Grid {
         Self {
             origin: low + (extent - size) / 2.0 - Vec3::repeat(cell_size),
             cell_size,
+            density: 1.0 / cell_size,
             counts: counts.map(|count| count + 2),
         }
     }
@@ -70,6 +81,24 @@ impl Grid {
         ]
     }
 
+    /// Returns the number of cells.
+    pub(crate) fn cell_count(&self) -> usize {
+        self.counts.iter().map(|&count| count as usize).product()
+    }
+
+    /// Returns the cell beside a face of a cell; faces are numbered by twice their axis, plus 1 for
+    /// the upper one.
+    pub(crate) fn beside(&self, index: u32, face: usize) -> Option<u32> {
+        let axis = face / 2;
+        let mut cell = self.cell(index);
+        cell[axis] = if face % 2 == 1 {
+            cell[axis] + 1
+        } else {
+            cell[axis].checked_sub(1)?
+        };
+        (cell[axis] < self.counts[axis]).then(|| self.index(cell))
+    }
+
     /// Returns the coordinate of a cell's lower face along an axis \[m\].
     #[must_use]
     pub fn face(&self, axis: usize, cell: u32) -> f64 {
@@ -79,7 +108,7 @@ impl Grid {
     /// Returns the cell along an axis that holds a coordinate \[m\], or the nearest one.
     #[must_use]
     pub fn cell_along(&self, axis: usize, at: f64) -> u32 {
-        let cell = floor_to_u32((at - self.origin[axis]) / self.cell_size);
+        let cell = floor_to_u32((at - self.origin[axis]) * self.density);
         cell.min(self.counts[axis] - 1)
     }
 
@@ -102,13 +131,35 @@ impl Grid {
         })
     }
 
+    /// Returns a box of all points that may be in a cell, or for which it is the nearest one.
+    pub(crate) fn around_cell(&self, cell: [u32; 3]) -> [Vec3; 2] {
+        let margin = Vec3::repeat(self.cell_size * ROUNDING);
+        let mut low = self.corner(cell, 0) - margin;
+        let mut high = self.corner(cell, 7) + margin;
+        for k in 0..3 {
+            if cell[k] == 0 {
+                low[k] = f64::NEG_INFINITY;
+            }
+            if cell[k] + 1 == self.counts[k] {
+                high[k] = f64::INFINITY;
+            }
+        }
+        [low, high]
+    }
+
+    /// Returns a box of points that are in a cell, and not near others.
+    pub(crate) fn inside_cell(&self, cell: [u32; 3]) -> [Vec3; 2] {
+        let margin = Vec3::repeat(2.0 * self.cell_size * ROUNDING);
+        [self.corner(cell, 0) + margin, self.corner(cell, 7) - margin]
+    }
+
     /// Returns the trilinear weights of a cell's corners at a point \[m\].
     ///
     /// They add up to 1, and extrapolate outside of the cell.
     #[must_use]
     pub fn weights(&self, cell: [u32; 3], p: Vec3) -> [f64; 8] {
         let low = self.corner(cell, 0);
-        let parts = [0, 1, 2].map(|k| (p[k] - low[k]) / self.cell_size);
+        let parts = [0, 1, 2].map(|k| (p[k] - low[k]) * self.density);
         std::array::from_fn(|number| {
             let part = |k: usize| match is_upper(number, k) {
                 true => parts[k],

@@ -1,16 +1,30 @@
 #![doc = include_str!("../README.md")]
 
 mod absorb;
+mod body;
+mod cell;
+mod change;
+mod content;
+mod copies;
+mod crossings;
+mod divided;
+mod embed;
 mod error;
-mod fragments;
+mod follow;
 mod grid;
 mod lattice;
+mod lines;
+mod measures;
+mod nodes;
 mod overlap;
 mod params;
 mod parts;
-mod scan;
-mod skin;
+mod projection;
+mod set;
+mod thin;
+mod work;
 
+pub use change::{AddedCopy, AddedNode, LatticeChange, NodeSource, OldCopy};
 pub use error::LatticeError;
 pub use grid::Grid;
 pub use lattice::{Lattice, Moments, NO_COPY};

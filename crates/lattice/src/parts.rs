@@ -1,143 +1,162 @@
-//! [`Parts`]: the connected parts of a body in each cell.
+//! [`Parts`]: the connected parts of a body in each cell, and which of them meet in faces.
 
-use crate::fragments::{Fragments, ROUNDING};
-use crate::grid::Grid;
-use crate::overlap::clip;
-use crate::scan::{Join, Lines, Scan};
-use crate::skin::Skin;
-use incise_mesh::geometry::area_vector;
-use incise_mesh::{Partition, Vec3, index_u32};
+use crate::cell::{Measure, NONE};
+use crate::measures::Sums;
+use incise_mesh::index_u32;
+use smallvec::SmallVec;
 
-/// No number yet.
-const NONE: u32 = u32::MAX;
+/// A part that meets another one in a face of its cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Link(u32);
+
+impl Link {
+    fn new(part: u32, face: usize) -> Self {
+        Self(part << 3 | index_u32(face))
+    }
+
+    /// Returns the other part.
+    pub(crate) fn part(self) -> u32 {
+        self.0 >> 3
+    }
+
+    /// Returns the face: twice its axis, plus 1 for the upper one.
+    pub(crate) fn face(self) -> usize {
+        (self.0 & 7) as usize
+    }
+}
+
+/// A connected part of a body in a cell.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Part {
+    pub(crate) cell: u32,
+    /// Its number among the parts of the cell, which depends on the content of that alone.
+    number: u32,
+    /// The next part in the cell.
+    next: u32,
+    /// The part whose nodes carry it: itself or, if it is small, one near it.
+    pub(crate) carrier: u32,
+    /// The copy of a part that carries itself.
+    pub(crate) copy: u32,
+    /// While the lattice follows an edit: the copy that carried the part before.
+    pub(crate) old_copy: u32,
+    pub(crate) is_live: bool,
+    pub(crate) is_small: bool,
+    pub(crate) sums: Sums,
+    /// By face, the reach of a small part from there into its cell [cells].
+    pub(crate) reaches: [f32; 6],
+    pub(crate) links: SmallVec<[Link; 6]>,
+}
 
 /// The connected parts of a body in each cell.
-#[derive(Debug)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Parts {
-    /// The part of each element: of fragments, then of spans.
-    pub(crate) of_element: Vec<u32>,
-    /// By part, its cell and its volume \[m³\].
-    pub(crate) cells: Vec<u32>,
-    pub(crate) volumes: Vec<f64>,
-    /// Pairs of parts that meet in a face of cells, the lower one first.
-    pub(crate) joins: Vec<Join>,
+    pub(crate) slots: Vec<Part>,
+    /// By cell, its first part.
+    first: Vec<u32>,
+    free: Vec<u32>,
 }
 
 impl Parts {
-    /// Joins elements to parts: fragments of triangles with a common edge in the cell, and spans
-    /// with the fragments at their ends.
-    pub(crate) fn new(grid: &Grid, skin: &Skin, fragments: &Fragments, scan: &Scan) -> Self {
-        let spans = scan.spans.iter().map(Vec::len).sum::<usize>();
-        let mut sets = Partition::new(fragments.len() as usize + spans);
-        fragments.join_along_edges(grid, skin, |a, b| sets.join(a, b));
-        for &[a, b] in &scan.pairs {
-            sets.join(a, b);
-        }
-        join_thin(grid, skin, fragments, &mut sets);
-        let mut numbers = vec![NONE; fragments.len() as usize + spans];
-        let mut cells = Vec::new();
-        let own = (0..fragments.len()).map(|fragment| fragments.cell(fragment));
-        let own = own.chain(scan.spans.iter().flatten().map(|span| span.cell));
-        let of_element: Vec<u32> = (0..)
-            .zip(own)
-            .map(|(element, cell)| {
-                let number = &mut numbers[sets.find(element) as usize];
-                if *number == NONE {
-                    *number = index_u32(cells.len());
-                    cells.push(cell);
-                }
-                *number
-            })
-            .collect();
-        let mut volumes = vec![0.0; cells.len()];
-        let part = Lines::distance(grid).powi(2) / 3.0;
-        let spans = of_element[fragments.len() as usize..].iter();
-        for (&own, span) in spans.zip(scan.spans.iter().flatten()) {
-            volumes[own as usize] += part * span.length();
-        }
-        let mut joins = scan.joins.clone();
-        fragments.join_across_faces(grid, skin, |low, high, axis| {
-            joins.push(Join { low, high, axis });
-        });
-        for join in &mut joins {
-            join.low = of_element[join.low as usize];
-            join.high = of_element[join.high as usize];
-        }
-        joins.sort_unstable_by_key(|join| (join.low, join.high, join.axis));
-        joins.dedup_by_key(|join| (join.low, join.high, join.axis));
+    pub(crate) fn new(cell_count: usize) -> Self {
         Self {
-            of_element,
-            cells,
-            volumes,
-            joins,
+            first: vec![NONE; cell_count],
+            ..Self::default()
         }
     }
-}
 
-/// Joins fragments that no scanline has met to the opposite fragments in the same cell.
-///
-/// They belong to corners of the body between scanlines.
-fn join_thin(grid: &Grid, skin: &Skin, fragments: &Fragments, sets: &mut Partition) {
-    let mut has_span = vec![false; sets.len()];
-    for element in fragments.len()..index_u32(sets.len()) {
-        has_span[sets.find(element) as usize] = true;
+    pub(crate) fn get(&self, part: u32) -> &Part {
+        &self.slots[part as usize]
     }
-    let lone: Vec<u32> = (0..fragments.len())
-        .filter(|&fragment| !has_span[sets.find(fragment) as usize])
-        .collect();
-    let mut by_cell: Vec<(u32, u32)> = lone.iter().map(|&f| (fragments.cell(f), f)).collect();
-    by_cell.sort_unstable();
-    let is_near = |cell: u32| by_cell.binary_search_by_key(&cell, |own| own.0).is_ok();
-    let mut others: Vec<(u32, u32)> = (0..fragments.len())
-        .map(|fragment| (fragments.cell(fragment), fragment))
-        .filter(|&(cell, _)| is_near(cell))
-        .collect();
-    others.sort_unstable();
-    let size = grid.cell_size();
-    let margin = Vec3::repeat(3.0 * ROUNDING * size);
-    for (cell, fragment) in by_cell {
-        let triangle = fragments.triangle(fragment) as usize;
-        let low = grid.corner(grid.cell(cell), 0) - margin;
-        let high = low + Vec3::repeat(size) + 2.0 * margin;
-        let polygon = clip(&skin.corners[triangle], low, high);
-        let inward = (-area_vector(skin.corners[triangle])).try_normalize(0.0);
-        let (Some(inward), false) = (inward, polygon.is_empty()) else {
-            continue;
-        };
-        #[expect(clippy::cast_precision_loss, reason = "few corners")]
-        let center = polygon.iter().sum::<Vec3>() / polygon.len() as f64;
-        let from = others.partition_point(|own| own.0 < cell);
-        let to = others.partition_point(|own| own.0 <= cell);
-        let facing = others[from..to].iter().filter_map(|&(_, other)| {
-            let hit = fragments.triangle(other) as usize;
-            let is_own = other == fragment || skin.pieces[hit] != skin.pieces[triangle];
-            let at = (!is_own)
-                .then(|| ray_hit(&skin.corners[hit], center, inward))
-                .flatten()
-                .filter(|at| *at > ROUNDING * size)?;
-            let place = center + inward * at;
-            let is_in_cell = (0..3).all(|k| (low[k]..=high[k]).contains(&place[k]));
-            is_in_cell.then_some((at, other))
-        });
-        let nearest = facing.min_by(|a, b| a.0.total_cmp(&b.0));
-        if let Some((_, other)) = nearest {
-            sets.join(fragment, other);
+
+    pub(crate) fn get_mut(&mut self, part: u32) -> &mut Part {
+        &mut self.slots[part as usize]
+    }
+
+    /// Returns the parts in a cell, by number.
+    pub(crate) fn of_cell(&self, cell: u32) -> impl Iterator<Item = u32> {
+        let mut next = self.first[cell as usize];
+        std::iter::from_fn(move || {
+            let part = next;
+            next = self.slots.get(part as usize)?.next;
+            Some(part)
+        })
+    }
+
+    /// Returns the order of a part, which does not depend on earlier edits.
+    pub(crate) fn order(&self, part: u32) -> (u32, u32) {
+        let part = self.get(part);
+        (part.cell, part.number)
+    }
+
+    /// Returns whether a part has a copy of its cell.
+    pub(crate) fn carries_itself(&self, part: u32) -> bool {
+        self.get(part).carrier == part
+    }
+
+    /// Returns the copy that carries a part.
+    pub(crate) fn carrying_copy(&self, part: u32) -> u32 {
+        self.get(self.get(part).carrier).copy
+    }
+
+    /// Adds the parts of a cell that has none, by number.
+    pub(crate) fn add(&mut self, cell: u32, measures: &[Measure], added: &mut Vec<u32>) {
+        let from = added.len();
+        for (number, measure) in (0..).zip(measures) {
+            let slot = self.free.pop().unwrap_or(index_u32(self.slots.len()));
+            let part = Part {
+                cell,
+                number,
+                next: NONE,
+                carrier: slot,
+                copy: NONE,
+                old_copy: NONE,
+                is_live: true,
+                is_small: measure.sums.is_small(),
+                sums: measure.sums,
+                reaches: measure.reaches,
+                links: SmallVec::new(),
+            };
+            match self.slots.get_mut(slot as usize) {
+                Some(free) => *free = part,
+                None => self.slots.push(part),
+            }
+            added.push(slot);
+        }
+        for pair in added[from..].windows(2) {
+            self.slots[pair[0] as usize].next = pair[1];
+        }
+        self.first[cell as usize] = added.get(from).copied().unwrap_or(NONE);
+    }
+
+    /// Removes the parts of a cell. Their data stay until [`Self::free`].
+    pub(crate) fn remove(&mut self, cell: u32, removed: &mut Vec<u32>) {
+        let from = removed.len();
+        removed.extend(self.of_cell(cell));
+        self.first[cell as usize] = NONE;
+        for &part in &removed[from..] {
+            self.get_mut(part).is_live = false;
+            for link in std::mem::take(&mut self.get_mut(part).links) {
+                let others = &mut self.get_mut(link.part()).links;
+                others.retain(|other| other.part() != part);
+            }
         }
     }
-}
 
-/// Returns the distance at which a ray leaves a body through a triangle \[m\].
-fn ray_hit(corners: &[Vec3; 3], from: Vec3, along: Vec3) -> Option<f64> {
-    let normal = area_vector(*corners);
-    let speed = normal.dot(&along);
-    if speed <= 0.0 {
-        return None;
+    /// Frees the slots of removed parts.
+    pub(crate) fn free(&mut self, removed: &[u32]) {
+        self.free.extend(removed);
     }
-    let at = normal.dot(&(corners[0] - from)) / speed;
-    let place = from + along * at;
-    let is_left = |k: usize| {
-        let [a, b] = [corners[k], corners[(k + 1) % 3]];
-        (b - a).cross(&(place - a)).dot(&normal) >= 0.0
-    };
-    (0..3).all(is_left).then_some(at)
+
+    /// Returns whether two parts are linked.
+    pub(crate) fn are_linked(&self, a: u32, b: u32) -> bool {
+        self.get(a).links.iter().any(|link| link.part() == b)
+    }
+
+    /// Links two parts that meet in a face of their cells, the lower one first.
+    pub(crate) fn link(&mut self, low: u32, high: u32, axis: usize) {
+        if !self.are_linked(low, high) {
+            self.get_mut(low).links.push(Link::new(high, 2 * axis + 1));
+            self.get_mut(high).links.push(Link::new(low, 2 * axis));
+        }
+    }
 }

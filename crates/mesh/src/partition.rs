@@ -19,6 +19,12 @@ impl Partition {
         }
     }
 
+    /// Starts again with a set for every number below `count`.
+    pub fn reset(&mut self, count: usize) {
+        self.parent.clear();
+        self.parent.extend(0..index_u32(count));
+    }
+
     /// Returns the number of members of all sets.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -32,6 +38,7 @@ impl Partition {
     }
 
     /// Returns the smallest member of the set that contains `i`.
+    #[inline]
     pub fn find(&mut self, mut i: u32) -> u32 {
         while self.parent[i as usize] != i {
             let next = self.parent[i as usize];
@@ -48,6 +55,7 @@ impl Partition {
     }
 
     /// Merges the sets of `a` and `b`.
+    #[inline]
     pub fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.find(a), self.find(b));
         self.parent[a.max(b) as usize] = a.min(b);

@@ -1,5 +1,7 @@
 //! Public behavior of lattices.
 
+mod follow;
+
 use incise_cut::{CutParams, Cutter, Sweep};
 use incise_lattice::{Lattice, LatticeError, LatticeParams, NO_COPY};
 use incise_mesh::{Partition, Surface, Vec3, cube_sphere, icosphere, index_u32, sheet, torus};
