@@ -3,46 +3,27 @@
 //! They depend only on the triangles in the cell and on the scanlines through it. A cell that holds
 //! the same gets the same parts in the same order, after any edits.
 
+mod measure;
+mod spans;
+
+pub(crate) use measure::Measure;
+
 use crate::body::Body;
 use crate::content::Content;
 use crate::crossings::Interval;
-use crate::grid::{Grid, MARGIN, ROUNDING};
-use crate::lines::{LINES, in_cell};
+use crate::grid::MARGIN;
+use crate::lines::LINES;
 use crate::measures::Sums;
-use crate::overlap::{clip_triangle, edge_meets_box, is_in_box};
+use crate::overlap::{edge_meets_box, is_in_box};
 use crate::thin::join_thin;
 use incise_mesh::{HalfEdge, Partition, TriangleId, Vec3, VertexId, index_u32};
+use spans::Span;
 
 /// No number.
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// Number of sample points in a cell, where scanlines along three axes meet.
 const SAMPLES: usize = (LINES * LINES * LINES) as usize;
-
-/// Number of spans in a full cell.
-const FULL_SPANS: usize = (3 * LINES * LINES) as usize;
-
-/// A part of a body in a cell, as measured.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Measure {
-    pub(crate) sums: Sums,
-    /// By face, the reach of a small part from there into its cell [cells].
-    pub(crate) reaches: [f32; 6],
-}
-
-/// A part of a scanline inside of a body and in the cell.
-#[derive(Debug, Clone, Copy)]
-struct Span {
-    axis: usize,
-    numbers: [u32; 2],
-    /// Its ends along the axis \[m\].
-    from: f64,
-    to: f64,
-    /// The triangle at which its interval enters the body.
-    entry: TriangleId,
-    /// The triangles at its ends, where these lie in the cell.
-    ends: [Option<TriangleId>; 2],
-}
 
 /// Finds the parts of cells, one after the other.
 #[derive(Debug)]
@@ -202,102 +183,6 @@ impl CellSolver {
         }
     }
 
-    /// Finds the spans along the scanlines of a cell.
-    fn add_spans(&mut self, body: &Body<'_>, content: &Content, cell: [u32; 3]) {
-        self.spans.clear();
-        self.inside = [0; 6];
-        for passing in &mut self.passing {
-            passing.clear();
-        }
-        let grid = body.grid;
-        let rounding = 4.0 * ROUNDING * grid.cell_size();
-        let count = index_u32(self.triangles.len());
-        for lines in &body.lines {
-            let axis = lines.axis;
-            let own = cell[axis];
-            let [u, v] = lines.across.map(|k| LINES * cell[k]);
-            let (low, high) = (grid.face(axis, own), grid.face(axis, own + 1));
-            let range = [low - rounding, high + rounding];
-            for number in 0..LINES * LINES {
-                let numbers = [u + number % LINES, v + number / LINES];
-                let line = lines.index(numbers[0], numbers[1]);
-                let crossings = &content.crossings;
-                crossings.intervals(body, axis, line, range, &mut self.intervals);
-                for Interval { entry, exit } in &self.intervals {
-                    let is_below = entry.at < range[0] || grid.cell_along(axis, entry.at) < own;
-                    let is_above = exit.at > range[1] || grid.cell_along(axis, exit.at) > own;
-                    let starts_above = entry.at >= high && grid.cell_along(axis, entry.at) > own;
-                    let ends_below = exit.at <= low && grid.cell_along(axis, exit.at) < own;
-                    if starts_above || ends_below {
-                        continue;
-                    }
-                    let element = count + index_u32(self.spans.len());
-                    if is_below {
-                        self.passing[2 * axis].push(element);
-                        self.inside[2 * axis] |= 1 << number;
-                    }
-                    if is_above {
-                        self.passing[2 * axis + 1].push(element);
-                        self.inside[2 * axis + 1] |= 1 << number;
-                    }
-                    // An end within rounding of the face bounds the part on its other side as well.
-                    let has_entry = !is_below || low - entry.at < rounding;
-                    let has_exit = !is_above || exit.at - high < rounding;
-                    self.spans.push(Span {
-                        axis,
-                        numbers,
-                        from: if is_below { low } else { entry.at },
-                        to: if is_above { high } else { exit.at },
-                        entry: entry.triangle(),
-                        ends: [
-                            has_entry.then(|| entry.triangle()),
-                            has_exit.then(|| exit.triangle()),
-                        ],
-                    });
-                }
-            }
-        }
-    }
-
-    /// Returns whether the cell lies inside of one piece.
-    fn is_full(&self, body: &Body<'_>) -> bool {
-        let piece = |span: &Span| body.piece(span.entry);
-        self.triangles.is_empty()
-            && self.spans.len() == FULL_SPANS
-            && self.inside == [u16::MAX; 6]
-            && self
-                .spans
-                .iter()
-                .all(|span| piece(span) == piece(&self.spans[0]))
-    }
-
-    /// Makes one part of a full cell.
-    fn take_full(&mut self) {
-        let sums = *self.full.get_or_insert_with(|| {
-            let mut sums = Sums::EMPTY;
-            for span in &self.spans {
-                let mut middle = [0.0; 3];
-                for (k, number) in [1, 2]
-                    .map(|k| (span.axis + k) % 3)
-                    .into_iter()
-                    .zip(span.numbers)
-                {
-                    middle[k] = in_cell(k, number);
-                }
-                sums.add_span(span.axis, middle, 2.0);
-            }
-            sums
-        });
-        let reaches = Measure::EMPTY.reaches;
-        self.parts.clear();
-        self.parts.push(Measure { sums, reaches });
-        self.part_of.clear();
-        self.part_of.resize(FULL_SPANS, 0);
-        for passing in &mut self.passing {
-            passing.fill(0);
-        }
-    }
-
     /// Joins neighboring triangles that share a part of their edge in the cell.
     fn join_along_edges(&mut self, body: &Body<'_>, cell: [u32; 3]) {
         let margin = Vec3::repeat(MARGIN * body.grid.cell_size());
@@ -389,58 +274,4 @@ impl CellSolver {
             *passing = self.part_of[*passing as usize];
         }
     }
-
-    /// Measures the parts along the scanlines, and the reaches of small ones.
-    fn measure(&mut self, grid: &Grid, cell: [u32; 3]) {
-        let size = grid.cell_size();
-        let low = grid.corner(cell, 0);
-        let count = self.triangles.len();
-        for (span, &part) in self.spans.iter().zip(&self.part_of[count..]) {
-            let mut middle = [0.0; 3];
-            let axis = span.axis;
-            let place = (span.from + span.to) / 2.0 - low[axis];
-            middle[axis] = place * (2.0 / size) - 1.0;
-            for (k, number) in [(axis + 1) % 3, (axis + 2) % 3]
-                .into_iter()
-                .zip(span.numbers)
-            {
-                middle[k] = in_cell(k, number);
-            }
-            let length = (span.to - span.from) * (2.0 / size);
-            self.parts[part as usize]
-                .sums
-                .add_span(axis, middle, length);
-        }
-        if self.parts.iter().all(|part| !part.sums.is_small()) {
-            return;
-        }
-        let margin = Vec3::repeat(MARGIN * size);
-        let (from, to) = (low - margin, low + Vec3::repeat(size) + margin);
-        for (corners, &part) in self.corners.iter().zip(&self.part_of) {
-            let part = &mut self.parts[part as usize];
-            if part.sums.is_small() {
-                clip_triangle(corners, from, to, |p| {
-                    let at = (p - low) / size;
-                    for k in 0..3 {
-                        let reaches = &mut part.reaches;
-                        reaches[2 * k] = reaches[2 * k].max(round_to_f32(at[k]));
-                        reaches[2 * k + 1] = reaches[2 * k + 1].max(round_to_f32(1.0 - at[k]));
-                    }
-                });
-            }
-        }
-    }
-}
-
-impl Measure {
-    const EMPTY: Self = Self {
-        sums: Sums::EMPTY,
-        reaches: [f32::NEG_INFINITY; 6],
-    };
-}
-
-/// Rounds to storage.
-#[expect(clippy::cast_possible_truncation, reason = "reaches are only compared")]
-fn round_to_f32(x: f64) -> f32 {
-    x as f32
 }

@@ -20,9 +20,11 @@ pub struct OldCopy {
 pub struct AddedCopy {
     /// The copy.
     pub copy: u32,
-    /// The copy that held its part before, or one beside it if nothing did.
+    /// The copy that held its part before, from which rotation and forces are taken.
     ///
-    /// It may be removed by the same change. [`NO_COPY`](crate::NO_COPY) where the body is new.
+    /// Of several copies in the cell, the one with most of the part's vertices; where the cell was
+    /// empty, a copy beside it. The same change may remove it. [`NO_COPY`](crate::NO_COPY) where
+    /// the body is new.
     pub parent: u32,
 }
 

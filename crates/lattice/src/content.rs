@@ -1,10 +1,10 @@
-//! [`Content`]: what each cell and each scanline holds of the surface.
+//! [`Content`]: the triangles in each cell, and the crossings of each scanline.
 
 use crate::body::Body;
 use crate::crossings::Crossings;
 use crate::grid::{Grid, ROUNDING};
 use crate::lines::{LINES, Lines};
-use crate::overlap::{is_in_box, triangle_meets_box};
+use crate::overlap::{bounds, is_in_box, triangle_meets_box};
 use crate::projection::{Projection, Sorted};
 use crate::set::Set;
 use incise_mesh::{TopologyDelta, TriangleId, Vec3, VertexId};
@@ -116,7 +116,7 @@ impl Content {
         self.triangles(cell).binary_search(&t.0).is_ok()
     }
 
-    /// Follows an edit of the surface. Collects the cells that it touches.
+    /// Removes and adds triangles. Collects the cells whose content that changes.
     pub(crate) fn update(
         &mut self,
         body: &Body<'_>,
@@ -179,7 +179,7 @@ impl Content {
             let piece = |i: usize| body.piece(own[i].0);
             let is_changed = |i: usize, j: usize| (own[i].1 == own[j].1) != (piece(i) == piece(j));
             let mut pairs = (0..own.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
-            // Of touched cells, some may be gone.
+            // Touched cells may name triangles that are gone.
             if !is_live || pairs.any(|(i, j)| is_changed(i, j)) {
                 touched.insert(cell);
             }
@@ -260,8 +260,7 @@ impl Content {
         }
         let [a, b, c] = surface.topology().triangle(t);
         let corners = [a, b, c].map(|v| surface.rest_position(v));
-        let [a, b, c] = &corners;
-        let (min, max) = (a.inf(b).inf(c), a.sup(b).sup(c));
+        let [min, max] = bounds(&corners);
         let size = grid.cell_size();
         let margin = Vec3::repeat(ROUNDING * size);
         let (low, high) = (grid.cell_at(min - margin), grid.cell_at(max + margin));

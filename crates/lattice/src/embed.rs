@@ -1,6 +1,7 @@
 //! Copies and weights of vertices.
 
 use crate::body::Body;
+use crate::cell::NONE;
 use crate::change::LatticeChange;
 use crate::lattice::Lattice;
 use crate::work::Work;
@@ -24,15 +25,20 @@ impl Lattice {
             }
         }
         let slots = self.vertex_copies.len();
+        // The part of the last vertex, its copy, and the cell of that.
+        let mut known = (NONE, NONE, [0; 3]);
         for &(v, part) in work.vertices.iter().filter(|own| own.0.index() < slots) {
-            let carrier = state.parts.get(state.parts.get(part).carrier);
+            if part != known.0 {
+                let carrier = state.parts.get(state.parts.get(part).carrier);
+                known = (part, carrier.copy, body.grid.cell(carrier.cell));
+            }
+            let (_, copy, cell) = known;
             let place = body.surface.rest_position(v);
-            let weights = body.grid.weights(body.grid.cell(carrier.cell), place);
-            let weights = weights.map(to_weight);
+            let weights = body.grid.weights(cell, place).map(to_weight);
             let own = &mut self.vertex_copies[v.index()];
             let own_weights = &mut self.vertex_weights[v.index()];
-            if *own != carrier.copy || *own_weights != weights {
-                *own = carrier.copy;
+            if *own != copy || *own_weights != weights {
+                *own = copy;
                 *own_weights = weights;
                 change.vertices_changed.push(v);
             }

@@ -12,10 +12,10 @@ use incise_mesh::{Surface, TopologyDelta, TriangleId, VertexId};
 impl Lattice {
     /// Follows an edit of the surface, and writes the change of the lattice.
     ///
-    /// Edits are followed one by one, in order. Only cells that hold removed or added triangles are
+    /// Call it after each edit, in order. Only cells that hold removed or added triangles are
     /// solved. Copies and nodes elsewhere keep their numbers; small parts up to two cells away may
-    /// get another carrier. The change is the same on any machine, and the lattice the same as one
-    /// built from nothing, up to numbers and rounding.
+    /// get another copy. The lattice is then the same as one built from nothing, up to numbers and
+    /// rounding. A surface that was edited unseen gives a wrong lattice, without a panic.
     pub fn follow(&mut self, surface: &Surface, delta: &TopologyDelta, change: &mut LatticeChange) {
         let grid = self.grid;
         let body = Body::new(surface, &grid);
@@ -27,7 +27,7 @@ impl Lattice {
         let (removed, added) = (&delta.triangles_removed, &delta.triangles_added);
         self.update(&body, removed, added, Some(delta), change);
         for &v in &delta.vertices_removed {
-            if self.vertex_copies.get(v.index()).is_some() && surface_lacks(surface, v) {
+            if self.vertex_copies.get(v.index()).is_some() && is_free(surface, v) {
                 self.vertex_copies[v.index()] = NONE;
                 self.vertex_weights[v.index()] = [0.0; 8];
             }
@@ -41,9 +41,14 @@ impl Lattice {
         let mut change = LatticeChange::default();
         change.work.prepare(&body);
         let added: Vec<TriangleId> = surface.topology().triangles().collect();
+        // With room for the vertices of cuts, so that the first one moves no array.
+        let slots = surface.topology().vertex_slots();
+        self.vertex_copies.reserve(slots + slots / 4);
+        self.vertex_weights.reserve(slots + slots / 4);
         self.update(&body, &[], &added, None, &mut change);
     }
 
+    /// Removes and adds triangles, and updates parts, copies, nodes and vertices, in this order.
     fn update(
         &mut self,
         body: &Body<'_>,
@@ -292,7 +297,7 @@ impl State {
 }
 
 /// Returns whether a vertex slot is free.
-fn surface_lacks(surface: &Surface, v: VertexId) -> bool {
+fn is_free(surface: &Surface, v: VertexId) -> bool {
     let topology = surface.topology();
     v.index() >= topology.vertex_slots() || topology.outgoing(v).is_null()
 }

@@ -159,7 +159,7 @@ impl Grid {
     #[must_use]
     pub fn weights(&self, cell: [u32; 3], p: Vec3) -> [f64; 8] {
         let low = self.corner(cell, 0);
-        let parts = [0, 1, 2].map(|k| (p[k] - low[k]) / self.cell_size);
+        let parts = [0, 1, 2].map(|k| (p[k] - low[k]) * self.density);
         std::array::from_fn(|number| {
             let part = |k: usize| match is_upper(number, k) {
                 true => parts[k],

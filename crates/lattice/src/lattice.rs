@@ -23,11 +23,14 @@ pub const NO_COPY: u32 = u32::MAX;
 /// where their parts meet in a face. So nothing connects two pieces, two fingers in one cell, or
 /// both sides of an incision. A small part that reaches little into its cell is carried by a
 /// neighbor's copy.
+///
+/// Changes free copies and nodes, and use them again, the lowest first. Lattices are equal if they
+/// have the same numbers, also of free copies and nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lattice {
     /// The lattice of cells.
     pub grid: Grid,
-    /// By copy, the index of its cell.
+    /// By copy, the index of its cell, or [`NO_COPY`] for a free copy.
     pub cells: Vec<u32>,
     /// By copy, its nodes in the order of corners: bit k is set at the upper face of axis k.
     pub nodes: Vec<[u32; 8]>,
@@ -112,7 +115,7 @@ impl Lattice {
         lattice
     }
 
-    /// Returns whether a copy is used: changes free copies and use them again.
+    /// Returns whether a copy is used, that is not free.
     #[must_use]
     pub fn is_copy(&self, copy: u32) -> bool {
         self.cells
@@ -120,7 +123,7 @@ impl Lattice {
             .is_some_and(|&cell| cell != NO_COPY)
     }
 
-    /// Returns whether a node is used: changes free nodes and use them again.
+    /// Returns whether a node is used, that is not free.
     #[must_use]
     pub fn is_node(&self, node: u32) -> bool {
         self.state

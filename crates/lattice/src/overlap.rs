@@ -7,8 +7,7 @@ use incise_mesh::Vec3;
 /// By separating axes (Akenine-Möller, "Fast 3D Triangle-Box Overlap Testing", 2001).
 pub(crate) fn triangle_meets_box(corners: &[Vec3; 3], center: Vec3, half: Vec3) -> bool {
     let [a, b, c] = corners.map(|p| p - center);
-    let low = a.inf(&b).inf(&c);
-    let high = a.sup(&b).sup(&c);
+    let [low, high] = bounds(&[a, b, c]);
     if (0..3).any(|k| low[k] > half[k] || high[k] < -half[k]) {
         return false;
     }
@@ -36,6 +35,17 @@ fn is_beyond(at: [f64; 3], reach: f64) -> bool {
     let least = at[0].min(at[1]).min(at[2]);
     let most = at[0].max(at[1]).max(at[2]);
     least > reach || most < -reach
+}
+
+/// Returns the lowest and the highest coordinates of a triangle's corners.
+pub(crate) fn bounds([a, b, c]: &[Vec3; 3]) -> [Vec3; 2] {
+    // Plain comparisons: `f64::min` costs more, for NaN.
+    let least = |x: f64, y: f64| if x < y { x } else { y };
+    let most = |x: f64, y: f64| if x > y { x } else { y };
+    [
+        Vec3::from_fn(|k, _| least(least(a[k], b[k]), c[k])),
+        Vec3::from_fn(|k, _| most(most(a[k], b[k]), c[k])),
+    ]
 }
 
 /// Returns whether a point is in a box, given by two corners.
