@@ -13,6 +13,10 @@ pub type Edge = [[f32; 3]; 2];
 /// a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a frame has few commands, and a box would not be `Copy`"
+)]
 pub enum Command {
     /// Cuts immediately along the sweep of a blade between two positions of its edge.
     ///

@@ -84,6 +84,7 @@ fn materials() -> [(&'static str, Material); 8] {
     };
     let bare = Material {
         interior_springs: None,
+        solid: None,
         damping: 0.0,
         ..soft
     };

@@ -30,7 +30,12 @@ const ALLOWED: [(&str, &[&str]); 22] = [
     ),
     (
         "incise-pbd-gpu",
-        &["incise-mesh", "incise-params", "incise-sparse"],
+        &[
+            "incise-lattice",
+            "incise-mesh",
+            "incise-params",
+            "incise-sparse",
+        ],
     ),
     (
         "incise-reference",

@@ -2,7 +2,7 @@
 
 use super::CutParams;
 use crate::status::Error;
-use incise::pbd::{self, Density, InteriorSprings, Stiffness, Volume};
+use incise::pbd::{self, Density, InteriorSprings, Solid, Stiffness, Volume};
 use incise::scene::{self, BackendChoice, BladeMode};
 use std::num::NonZeroUsize;
 
@@ -173,6 +173,18 @@ pub struct Material {
     pub spring: f32,
     /// Fraction of vertices with a spring of their own, 0 to 1.
     pub spring_density: f32,
+    /// 1 if the body is a solid, whose elasticity replaces stretch, bending, volume and springs.
+    pub has_solid: u32,
+    /// Young's modulus in Pa.
+    pub young_modulus: f32,
+    /// Poisson's ratio, 0 to 0.495.
+    pub poisson_ratio: f32,
+    /// Relaxation time of the viscosity, in s.
+    pub relaxation_time: f32,
+    /// Length of the edges of a cell in m; 0 for a third of the thickness of the body.
+    pub cell_size: f32,
+    /// Maximum number of cells along the longest side of the body.
+    pub cells_across: u32,
     /// Decay rate of velocities relative to the rigid motion of a piece, in 1/s.
     pub damping: f32,
     /// Coulomb friction coefficient.
@@ -191,6 +203,7 @@ impl From<&pbd::Material> for Material {
         let (spring_kind, spring) =
             kind_and_value(material.interior_springs.map(|springs| springs.stiffness));
         let springs = material.interior_springs.unwrap_or_default();
+        let solid = material.solid.unwrap_or_default();
         Self {
             density_kind,
             density,
@@ -204,6 +217,12 @@ impl From<&pbd::Material> for Material {
             spring_kind,
             spring,
             spring_density: springs.density,
+            has_solid: u32::from(material.solid.is_some()),
+            young_modulus: solid.young_modulus,
+            poisson_ratio: solid.poisson_ratio,
+            relaxation_time: solid.relaxation_time,
+            cell_size: solid.cell_size.unwrap_or(0.0),
+            cells_across: solid.cells_across,
             damping: material.damping,
             friction: material.friction,
         }
@@ -241,6 +260,13 @@ impl Material {
             interior_springs: springs.map(|stiffness| InteriorSprings {
                 density: self.spring_density,
                 stiffness,
+            }),
+            solid: flag(self.has_solid, "has_solid")?.then_some(Solid {
+                young_modulus: self.young_modulus,
+                poisson_ratio: self.poisson_ratio,
+                relaxation_time: self.relaxation_time,
+                cell_size: Some(self.cell_size).filter(|&size| size != 0.0),
+                cells_across: self.cells_across,
             }),
             damping: self.damping,
             friction: self.friction,

@@ -191,7 +191,7 @@ impl CellSet {
         }
         let batch = self.batch_mut(color);
         let index = batch.len;
-        if index % CELLS_PER_BLOCK == 0 {
+        if index.is_multiple_of(CELLS_PER_BLOCK) {
             batch.blocks.push(unused_block());
         }
         batch.len += 1;
@@ -221,7 +221,7 @@ impl CellSet {
             to.copies[to_lane]
         });
         batch.len = last;
-        if last % CELLS_PER_BLOCK == 0 {
+        if last.is_multiple_of(CELLS_PER_BLOCK) {
             batch.blocks.pop();
         }
         if color != OVERFLOW {
@@ -384,7 +384,7 @@ fn set_shape(block: &mut CellBlock, lane: usize, moments: &Moments) {
 fn set_weights(block: &mut CellBlock, lane: usize, inverse_masses: [f64; 8], size: f64) {
     let sign = |mode: usize, node: usize| {
         let below = (mode & !node).count_ones();
-        if below % 2 == 0 { 1.0 } else { -1.0 }
+        if below.is_multiple_of(2) { 1.0 } else { -1.0 }
     };
     let modes: [f64; 8] = std::array::from_fn(|mode| {
         let terms = inverse_masses.iter().enumerate();

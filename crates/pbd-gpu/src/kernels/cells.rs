@@ -78,6 +78,12 @@ pub(crate) struct Lane<'a> {
     pub(crate) count: usize,
 }
 
+/// A vector at each node or of each mode, by axis.
+type Field<S> = [[Lanes<S>; 8]; 3];
+
+/// Deformation gradients, modes of the positions, and rotations.
+type Deformation<'a, S> = (&'a Matrix<S>, &'a Field<S>, &'a Matrix<S>);
+
 /// Forces of the rows of cells in their frames: stress times volume by xx, yy, zz, xy, yz and zx,
 /// and those of the hourglass modes.
 #[derive(Clone, Copy)]
@@ -219,7 +225,7 @@ impl<S: Simd> Rows<S> {
     fn solve(
         &self,
         forces: &Forces<S>,
-        (f, modes, r): (&Matrix<S>, &[[Lanes<S>; 8]; 3], &Matrix<S>),
+        (f, modes, r): Deformation<'_, S>,
         constants: &CellConstants,
     ) -> Forces<S> {
         let one = Lanes::splat(self.fraction.simd(), 1.0);
@@ -266,8 +272,12 @@ impl<S: Simd> Rows<S> {
                 }
                 mode[k] = 0.125 * mode[k] + constants.viscous * moved;
             }
-            for k in 0..3 {
-                let mode = (r[0][k] * mode[0] + r[1][k] * mode[1]) + r[2][k] * mode[2];
+            let in_frame = [
+                (r[0][0] * mode[0] + r[1][0] * mode[1]) + r[2][0] * mode[2],
+                (r[0][1] * mode[0] + r[1][1] * mode[1]) + r[2][1] * mode[2],
+                (r[0][2] * mode[0] + r[1][2] * mode[1]) + r[2][2] * mode[2],
+            ];
+            for (k, mode) in in_frame.into_iter().enumerate() {
                 let rest = stiffness * mode + forces.hourglass[h][k];
                 change.hourglass[h][k] = -(rest / divisor);
             }
@@ -277,7 +287,7 @@ impl<S: Simd> Rows<S> {
 
     /// Returns the impulses of forces on the modes, along the axes of space.
     #[inline(always)]
-    fn impulses(&self, forces: &Forces<S>, r: &Matrix<S>) -> [[Lanes<S>; 8]; 3] {
+    fn impulses(&self, forces: &Forces<S>, r: &Matrix<S>) -> Field<S> {
         let mut modes = self.stress_impulses(&forces.stress, r);
         for (h, m) in HOURGLASS.into_iter().enumerate() {
             let [a, b, c] = forces.hourglass[h];
@@ -291,7 +301,7 @@ impl<S: Simd> Rows<S> {
 
     /// Returns the impulses of stresses on the modes, along the axes of space.
     #[inline(always)]
-    fn stress_impulses(&self, stress: &[Lanes<S>; 6], r: &Matrix<S>) -> [[Lanes<S>; 8]; 3] {
+    fn stress_impulses(&self, stress: &[Lanes<S>; 6], r: &Matrix<S>) -> Field<S> {
         let &[xx, yy, zz, xy, yz, zx] = stress;
         let [a, b, c] = r;
         [
@@ -380,7 +390,7 @@ fn positions<G: Gather<L>, const L: usize>(
     gather: G,
     particles: ParticleStates<'_>,
     nodes: &[[NodeId; 8]; L],
-) -> ([[Lanes<G::S>; 8]; 3], [Lanes<G::S>; 8]) {
+) -> (Field<G::S>, [Lanes<G::S>; 8]) {
     let zero = Lanes::splat(gather.simd(), 0.0);
     let mut x = [[zero; 8]; 3];
     let mut w = [gather.inverse_masses(particles, nodes); 8];

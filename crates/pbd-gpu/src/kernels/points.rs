@@ -90,8 +90,8 @@ impl Points<'_> {
         for (&node, &weight) in nodes.iter().zip(weights) {
             let mut state = self.nodes.get(node as usize);
             let by = weight * state.x[3];
-            for k in 0..3 {
-                state.x[k] += by * impulse[k];
+            for (x, impulse) in state.x.iter_mut().zip(impulse) {
+                *x += by * impulse;
             }
             self.nodes.set(node as usize, state);
         }

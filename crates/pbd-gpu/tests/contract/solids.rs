@@ -1,4 +1,8 @@
 //! Solids: closed forms, conservation and rest, on the CPU.
+#![allow(
+    clippy::cast_possible_truncation,
+    reason = "small whole numbers, and numbers as they are stored"
+)]
 
 use incise_mesh::{Surface, Vec3, VertexId, cuboid, icosphere, torus};
 use incise_pbd_gpu::{ConstraintError, Material, Solid, Solver, SolverParams};
