@@ -251,6 +251,30 @@ typedef struct {
    */
   float spring_density;
   /*
+   1 if the body is a solid, whose elasticity replaces stretch, bending, volume and springs.
+   */
+  uint32_t has_solid;
+  /*
+   Young's modulus in Pa.
+   */
+  float young_modulus;
+  /*
+   Poisson's ratio, 0 to 0.495.
+   */
+  float poisson_ratio;
+  /*
+   Relaxation time of the viscosity, in s.
+   */
+  float relaxation_time;
+  /*
+   Length of the edges of a cell in m; 0 for a third of the thickness of the body.
+   */
+  float cell_size;
+  /*
+   Maximum number of cells along the longest side of the body.
+   */
+  uint32_t cells_across;
+  /*
    Decay rate of velocities relative to the rigid motion of a piece, in 1/s.
    */
   float damping;

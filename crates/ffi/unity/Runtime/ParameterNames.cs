@@ -88,6 +88,18 @@ namespace Incise
         public const string InteriorSpringsDensity = "interior_springs.density";
         /// <summary>Stiffness of the springs.</summary>
         public const string InteriorSpringsStiffness = "interior_springs.stiffness";
+        /// <summary>Elasticity of the inside of a closed body; `None` for a body that is only a surface.</summary>
+        public const string Solid = "solid";
+        /// <summary>Young's modulus.</summary>
+        public const string SolidYoungModulus = "solid.young_modulus";
+        /// <summary>Poisson's ratio, the share of a stretch by which a rod becomes thinner; near 1/2 the material keeps its volume.</summary>
+        public const string SolidPoissonRatio = "solid.poisson_ratio";
+        /// <summary>Relaxation time of the viscosity: stress grows by this time, Young's modulus and the rate of strain.</summary>
+        public const string SolidRelaxationTime = "solid.relaxation_time";
+        /// <summary>Length of the edges of a cell; `None` for a third of the thickness `2 V / A` of the body.</summary>
+        public const string SolidCellSize = "solid.cell_size";
+        /// <summary>Maximum number of cells along the longest side of the body, which enlarges cells.</summary>
+        public const string SolidCellsAcross = "solid.cells_across";
         /// <summary>Decay rate of velocities relative to the rigid motion of a piece.</summary>
         public const string Damping = "damping";
         /// <summary>Coulomb friction coefficient against colliders and contacts.</summary>

@@ -161,6 +161,12 @@ namespace Incise
         public float Compressibility, Pressure;
         public StiffnessKind SpringKind;
         public float Spring, SpringDensity;
+        /// <summary>1 for a solid, whose elasticity replaces stretch, bending, volume and springs.</summary>
+        public uint HasSolid;
+        public float YoungModulus, PoissonRatio, RelaxationTime;
+        /// <summary>0: a third of the thickness of the body.</summary>
+        public float CellSize;
+        public uint CellsAcross;
         public float Damping, Friction;
 
         /// <summary>Returns a solid that keeps its volume and shape.</summary>

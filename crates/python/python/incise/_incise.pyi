@@ -82,6 +82,12 @@ class MaterialKeys(TypedDict, total=False):
     interior_springs: Optional[Union[bool, Mapping[str, Any]]]
     interior_springs_density: Optional[float]
     interior_springs_stiffness: Optional[Mapping[str, float]]
+    solid: Optional[Union[bool, Mapping[str, Any]]]
+    solid_young_modulus: Optional[float]
+    solid_poisson_ratio: Optional[float]
+    solid_relaxation_time: Optional[float]
+    solid_cell_size: Optional[float]
+    solid_cells_across: Optional[int]
     damping: Optional[float]
     friction: Optional[float]
 
