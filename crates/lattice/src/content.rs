@@ -1,5 +1,8 @@
 //! [`Content`]: the triangles in each cell, and the crossings of each scanline.
 
+#[cfg(feature = "serde")]
+mod load;
+
 use crate::body::Body;
 use crate::crossings::Crossings;
 use crate::grid::{Grid, ROUNDING};
@@ -35,11 +38,15 @@ impl CellBox {
 
 /// The triangles in each cell, and the crossings of each scanline.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Content {
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) crossings: Crossings,
     /// By cell, the triangles that meet it, ascending.
+    #[cfg_attr(feature = "serde", serde(skip))]
     triangles: Vec<Vec<u32>>,
     /// By triangle slot, the cells around it.
+    #[cfg_attr(feature = "serde", serde(skip))]
     boxes: Vec<CellBox>,
     /// By cell and axis, the scanlines that pass its lower face inside of the body.
     pub(crate) inside: Vec<[u16; 3]>,
@@ -140,6 +147,11 @@ impl Content {
             if surface.topology().is_triangle(t) {
                 self.add(body, t, work, touched);
             }
+        }
+        // An undo takes slots away.
+        let slots = surface.topology().triangle_slots();
+        while self.boxes.len() > slots && self.boxes.last().is_some_and(|own| own.is_empty()) {
+            self.boxes.pop();
         }
         for &cell in &touched.members {
             let own = &mut self.triangles[cell as usize];
@@ -258,17 +270,41 @@ impl Content {
         if !self.boxes[t.index()].is_empty() {
             return;
         }
-        let [a, b, c] = surface.topology().triangle(t);
-        let corners = [a, b, c].map(|v| surface.rest_position(v));
-        let [min, max] = bounds(&corners);
+        let corners = surface
+            .topology()
+            .triangle(t)
+            .map(|v| surface.rest_position(v));
+        self.add_to_cells(grid, t, &corners, |cell| {
+            touched.insert(cell);
+        });
+        find_crossings(body, &corners, |axis, numbers, crossing| {
+            let lines = &lines[axis];
+            let [u, v] = lines.across;
+            let line = lines.index(numbers[0], numbers[1]);
+            self.crossings.insert(axis, line, t, crossing);
+            work.changed[axis].insert(line);
+            let mut cell = [0; 3];
+            cell[axis] = grid.cell_along(axis, crossing.0);
+            cell[u] = numbers[0] / LINES;
+            cell[v] = numbers[1] / LINES;
+            touched.insert(grid.index(cell));
+        });
+    }
+
+    /// Adds a triangle to the cells that it meets, and calls `added` with these.
+    fn add_to_cells(
+        &mut self,
+        grid: &Grid,
+        t: TriangleId,
+        corners: &[Vec3; 3],
+        mut added: impl FnMut(u32),
+    ) {
         let size = grid.cell_size();
-        let margin = Vec3::repeat(ROUNDING * size);
-        let (low, high) = (grid.cell_at(min - margin), grid.cell_at(max + margin));
-        let cells = CellBox {
+        let [low, high] = cells_around(grid, corners);
+        self.boxes[t.index()] = CellBox {
             low: low.map(to_u16),
             high: high.map(to_u16),
         };
-        self.boxes[t.index()] = cells;
         let half = Vec3::repeat(size * (0.5 + ROUNDING));
         for z in low[2]..=high[2] {
             for y in low[1]..=high[1] {
@@ -278,43 +314,52 @@ impl Content {
                         let own = [grid.corner(cell, 0), grid.corner(cell, 7)];
                         let center = own[0] + Vec3::repeat(size / 2.0);
                         let meets = corners.iter().any(|p| is_in_box(p, &own))
-                            || triangle_meets_box(&corners, center, half);
+                            || triangle_meets_box(corners, center, half);
                         if !meets {
                             continue;
                         }
                     }
                     let index = grid.index(cell);
                     self.triangles[index as usize].push(t.0);
-                    touched.insert(index);
+                    added(index);
                 }
             }
         }
-        let ranges: [_; 3] =
-            std::array::from_fn(|axis| lines[axis].between(axis, min[axis], max[axis]));
-        if ranges.iter().filter(|range| range.is_empty()).count() > 1 {
-            return;
+    }
+}
+
+/// Returns the lowest and the highest cell around a triangle.
+fn cells_around(grid: &Grid, corners: &[Vec3; 3]) -> [[u32; 3]; 2] {
+    let [min, max] = bounds(corners);
+    let margin = Vec3::repeat(ROUNDING * grid.cell_size());
+    [grid.cell_at(min - margin), grid.cell_at(max + margin)]
+}
+
+/// Calls `found` with each crossing of a triangle: axis, numbers of the scanline, and crossing.
+fn find_crossings(
+    body: &Body<'_>,
+    corners: &[Vec3; 3],
+    mut found: impl FnMut(usize, [u32; 2], (f64, bool)),
+) {
+    let lines = &body.lines;
+    let [min, max] = bounds(corners);
+    let ranges: [_; 3] =
+        std::array::from_fn(|axis| lines[axis].between(axis, min[axis], max[axis]));
+    if ranges.iter().filter(|range| range.is_empty()).count() > 1 {
+        return;
+    }
+    let sorted = Sorted::new(corners);
+    for (axis, lines) in lines.iter().enumerate() {
+        let [u, v] = lines.across;
+        if ranges[u].is_empty() || ranges[v].is_empty() {
+            continue;
         }
-        let sorted = Sorted::new(&corners);
-        for (axis, lines) in lines.iter().enumerate() {
-            let [u, v] = lines.across;
-            if ranges[u].is_empty() || ranges[v].is_empty() {
-                continue;
-            }
-            let projection = Projection::new(&sorted, axis, [u, v]);
-            for j in ranges[v].clone() {
-                for i in ranges[u].clone() {
-                    let place = [lines.at(u, i), lines.at(v, j)];
-                    let Some(crossing) = projection.crossing(place) else {
-                        continue;
-                    };
-                    let line = lines.index(i, j);
-                    self.crossings.insert(axis, line, t, crossing);
-                    work.changed[axis].insert(line);
-                    let mut cell = [0; 3];
-                    cell[axis] = grid.cell_along(axis, crossing.0);
-                    cell[u] = i / LINES;
-                    cell[v] = j / LINES;
-                    touched.insert(grid.index(cell));
+        let projection = Projection::new(&sorted, axis, [u, v]);
+        for j in ranges[v].clone() {
+            for i in ranges[u].clone() {
+                let place = [lines.at(u, i), lines.at(v, j)];
+                if let Some(crossing) = projection.crossing(place) {
+                    found(axis, [i, j], crossing);
                 }
             }
         }

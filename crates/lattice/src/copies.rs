@@ -2,11 +2,13 @@
 
 use crate::cell::NONE;
 use crate::change::{AddedCopy, LatticeChange, OldCopy};
+use crate::grid::Grid;
 use crate::lattice::Lattice;
 use crate::measures::Sums;
 use crate::parts::Parts;
 use crate::work::Work;
 use incise_mesh::index_u32;
+use std::collections::BTreeSet;
 
 impl Lattice {
     /// Removes and adds copies of cells.
@@ -88,14 +90,7 @@ impl Lattice {
             .filter(|&&part| parts.carries_itself(part))
         {
             let copy = parts.get(part).copy;
-            collect_carried(parts, part, &mut carried);
-            let cell = self.grid.cell(parts.get(part).cell);
-            let mut sums = Sums::EMPTY;
-            for &own in &carried {
-                let other = self.grid.cell(parts.get(own).cell);
-                let center = [0, 1, 2].map(|k| 2.0 * (f64::from(other[k]) - f64::from(cell[k])));
-                sums.add_shifted(&parts.get(own).sums, center);
-            }
+            let sums = carried_sums(&self.grid, parts, part, &mut carried);
             let moments = sums.moments();
             let i = copy as usize;
             if self.nodes[i][0] != NONE && self.moments[i] != moments {
@@ -116,16 +111,35 @@ impl Lattice {
     }
 }
 
+/// Returns the moments of all parts that a part carries, from the center of its cell.
+pub(crate) fn carried_sums(
+    grid: &Grid,
+    parts: &Parts,
+    carrier: u32,
+    carried: &mut Vec<u32>,
+) -> Sums {
+    collect_carried(parts, carrier, carried);
+    let cell = grid.cell(parts.get(carrier).cell);
+    let mut sums = Sums::EMPTY;
+    for &own in &*carried {
+        let other = grid.cell(parts.get(own).cell);
+        let center = [0, 1, 2].map(|k| 2.0 * (f64::from(other[k]) - f64::from(cell[k])));
+        sums.add_shifted(&parts.get(own).sums, center);
+    }
+    sums
+}
+
 /// Collects the parts that a part carries, in an order that does not depend on earlier edits.
 fn collect_carried(parts: &Parts, carrier: u32, carried: &mut Vec<u32>) {
     carried.clear();
     carried.push(carrier);
+    let mut found = BTreeSet::new();
     let mut next = 0;
     while let Some(&part) = carried.get(next) {
         next += 1;
         for link in &parts.get(part).links {
             let other = link.part();
-            if parts.get(other).carrier == carrier && !carried.contains(&other) {
+            if parts.get(other).carrier == carrier && other != carrier && found.insert(other) {
                 carried.push(other);
             }
         }

@@ -3,12 +3,13 @@
 use crate::body::Body;
 use crate::lines::Lines;
 use incise_mesh::{TriangleId, index_u32};
+use std::cmp::Ordering;
 
 /// No crossing.
 const NONE: u32 = u32::MAX;
 
 /// A crossing of a scanline with the surface.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Crossing {
     /// Coordinate along the axis \[m\].
     pub(crate) at: f64,
@@ -27,11 +28,19 @@ impl Crossing {
         self.code & 1 == 1
     }
 
-    fn is_before(&self, other: &Self) -> bool {
+    fn new(triangle: TriangleId, (at, leaves): (f64, bool)) -> Self {
+        Self {
+            at,
+            code: triangle.0 << 1 | u32::from(!leaves),
+            next: NONE,
+        }
+    }
+
+    fn order(&self, other: &Self) -> Ordering {
         // At one place exits come first, so that coincident walls end and begin spans.
         let order = self.at.total_cmp(&other.at);
         let order = order.then(self.enters().cmp(&other.enters()));
-        order.then(self.code.cmp(&other.code)).is_lt()
+        order.then(self.code.cmp(&other.code))
     }
 }
 
@@ -43,7 +52,9 @@ pub(crate) struct Interval {
 }
 
 /// The crossings of all scanlines, ascending in a linked list for each.
-#[derive(Debug, Clone, Default, PartialEq)]
+///
+/// Their order in the pool depends on earlier edits, and equal lists may differ in it.
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Crossings {
     /// By axis and line, its first crossing.
     first: [Vec<u32>; 3],
@@ -52,6 +63,21 @@ pub(crate) struct Crossings {
     free: u32,
     /// Axes and lines along which pieces are not apart, ascending.
     irregular: Vec<(usize, u32)>,
+}
+
+impl PartialEq for Crossings {
+    fn eq(&self, other: &Self) -> bool {
+        let is_equal = |axis: usize| {
+            let [own, others] = [self, other].map(|crossings| crossings.first[axis].len());
+            let values = |crossing: &Crossing| (crossing.at.to_bits(), crossing.code);
+            own == others
+                && (0..index_u32(own)).all(|line| {
+                    let own = self.of(axis, line).map(values);
+                    own.eq(other.of(axis, line).map(values))
+                })
+        };
+        self.irregular == other.irregular && (0..3).all(is_equal)
+    }
 }
 
 impl Crossings {
@@ -80,16 +106,12 @@ impl Crossings {
         axis: usize,
         line: u32,
         triangle: TriangleId,
-        (at, leaves): (f64, bool),
+        crossing: (f64, bool),
     ) {
-        let mut added = Crossing {
-            at,
-            code: triangle.0 << 1 | u32::from(!leaves),
-            next: NONE,
-        };
+        let mut added = Crossing::new(triangle, crossing);
         let (mut before, mut next) = (NONE, self.first[axis][line as usize]);
         while let Some(crossing) = self.pool.get(next as usize) {
-            if !crossing.is_before(&added) {
+            if crossing.order(&added).is_ge() {
                 break;
             }
             (before, next) = (next, crossing.next);
@@ -261,5 +283,51 @@ impl Crossings {
             let [(a, i), (b, j)] = [place(&a.entry), place(&b.entry)];
             a.total_cmp(&b).then(i.cmp(&j))
         });
+    }
+}
+
+/// A crossing that is not in its list yet.
+#[cfg(feature = "serde")]
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct FoundCrossing {
+    axis: usize,
+    line: u32,
+    crossing: Crossing,
+}
+
+#[cfg(feature = "serde")]
+impl FoundCrossing {
+    pub(crate) fn new(axis: usize, line: u32, triangle: TriangleId, at: (f64, bool)) -> Self {
+        let crossing = Crossing::new(triangle, at);
+        Self {
+            axis,
+            line,
+            crossing,
+        }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl Crossings {
+    /// Makes the lists of all scanlines at once, in the order of [`Self::insert`].
+    pub(crate) fn from_found(body: &Body<'_>, mut found: Vec<FoundCrossing>) -> Self {
+        found.sort_unstable_by(|a, b| {
+            let order = (a.axis, a.line).cmp(&(b.axis, b.line));
+            order.then_with(|| a.crossing.order(&b.crossing))
+        });
+        let mut crossings = Self::new(&body.lines);
+        for own in found.chunk_by(|a, b| (a.axis, a.line) == (b.axis, b.line)) {
+            let (axis, line) = (own[0].axis, own[0].line);
+            crossings.first[axis][line as usize] = index_u32(crossings.pool.len());
+            crossings
+                .pool
+                .extend(own.iter().map(|found| found.crossing));
+            let from = crossings.pool.len() - own.len();
+            for slot in from + 1..crossings.pool.len() {
+                crossings.pool[slot - 1].next = index_u32(slot);
+            }
+            crossings.update_regularity(body, axis, line);
+        }
+        crossings
     }
 }

@@ -6,6 +6,7 @@ use incise_mesh::{TriangleId, VertexId};
 
 /// A triangle that lies in more than one cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Crossing {
     triangle: TriangleId,
     part: u32,
@@ -17,6 +18,7 @@ struct Crossing {
 ///
 /// Stored, so that an edit beside the cell does not solve it again.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Divided {
     /// By face, the parts of the spans that pass it, by line.
     passing: Vec<u32>,
@@ -74,5 +76,27 @@ impl Divided {
     pub(crate) fn part_of(&self, t: TriangleId) -> Option<u32> {
         let i = self.crossings.binary_search_by_key(&t, |own| own.triangle);
         Some(self.crossings[i.ok()?].part)
+    }
+
+    /// Returns whether its arrays can be indexed, given which parts and vertices it may name.
+    #[cfg(feature = "serde")]
+    pub(crate) fn is_valid(
+        &self,
+        is_part: impl Fn(u32) -> bool,
+        is_vertex: impl Fn(VertexId) -> bool,
+    ) -> bool {
+        let crossings = &self.crossings;
+        let ascending = crossings
+            .windows(2)
+            .all(|pair| pair[0].triangle < pair[1].triangle);
+        self.starts.is_sorted()
+            && usize::from(self.starts[6]) <= self.passing.len()
+            && self.passing.iter().all(|&part| is_part(part))
+            && ascending
+            && crossings.iter().all(|own| is_part(own.part))
+            && self
+                .vertices
+                .iter()
+                .all(|own| is_vertex(own.0) && is_part(own.1))
     }
 }

@@ -51,6 +51,6 @@ impl Lattice {
     clippy::cast_possible_truncation,
     reason = "weights have storage precision"
 )]
-fn to_weight(weight: f64) -> f32 {
+pub(crate) fn to_weight(weight: f64) -> f32 {
     weight as f32
 }

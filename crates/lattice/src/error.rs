@@ -34,3 +34,22 @@ pub enum LatticeError {
         limit: u32,
     },
 }
+
+/// Why a lattice that was read with serde is refused.
+#[cfg(feature = "serde")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum InvalidLattice {
+    /// The cells have no size, or there are more of them than lattices may have.
+    #[error("the cells have an invalid size, place or number; load a file that incise has saved")]
+    Grid,
+    /// An array does not match the surface or another array.
+    #[error("the {array} of the lattice do not match its surface; load both as they were saved")]
+    Array {
+        /// The array.
+        array: &'static str,
+    },
+    /// Triangles lie in far more cells than those of a body do.
+    #[error("the triangles lie in too many cells of the lattice; build it again with larger cells")]
+    TooManyEntries,
+}

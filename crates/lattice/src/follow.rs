@@ -75,7 +75,10 @@ impl Lattice {
         self.update_moments(&work, change);
         self.update_nodes(&work, change);
         self.embed(body, &mut work, change);
-        self.state.parts.free(&work.old_parts);
+        let parts = &mut self.state.parts;
+        parts.forget_old_copies(&work.parts);
+        parts.forget_old_copies(&work.clusters.members);
+        parts.free(&work.old_parts);
         change.work = work;
     }
 

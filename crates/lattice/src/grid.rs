@@ -20,12 +20,46 @@ pub(crate) const MARGIN: f64 = 3.0 * ROUNDING;
 ///
 /// It stays where it is. Cuts only change which parts of a body its cells hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(from = "SavedGrid", into = "SavedGrid"))]
 pub struct Grid {
     origin: Vec3,
     cell_size: f64,
     /// Number of cells in 1 m.
     density: f64,
     counts: [u32; 3],
+}
+
+/// A grid in files.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+struct SavedGrid {
+    origin: [f64; 3],
+    cell_size: f64,
+    counts: [u32; 3],
+}
+
+#[cfg(feature = "serde")]
+impl From<Grid> for SavedGrid {
+    fn from(grid: Grid) -> Self {
+        Self {
+            origin: grid.origin.into(),
+            cell_size: grid.cell_size,
+            counts: grid.counts,
+        }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<SavedGrid> for Grid {
+    fn from(saved: SavedGrid) -> Self {
+        Self {
+            origin: saved.origin.into(),
+            cell_size: saved.cell_size,
+            density: 1.0 / saved.cell_size,
+            counts: saved.counts,
+        }
+    }
 }
 
 impl Grid {

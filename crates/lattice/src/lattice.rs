@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Maximum number of cells along an axis.
 ///
 /// Scanlines then have numbers of 32 bits, and sample points take 128 MiB.
-const MAX_ACROSS: u32 = 80;
+pub(crate) const MAX_ACROSS: u32 = 80;
 
 /// No copy of a cell.
 pub const NO_COPY: u32 = u32::MAX;
@@ -26,41 +26,53 @@ pub const NO_COPY: u32 = u32::MAX;
 ///
 /// Changes free copies and nodes, and use them again, the lowest first. Lattices are equal if they
 /// have the same numbers, also of free copies and nodes.
+///
+/// With the feature `serde`, `finish_load` must follow its `Deserialize`.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Lattice {
     /// The lattice of cells.
     pub grid: Grid,
     /// By copy, the index of its cell, or [`NO_COPY`] for a free copy.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub cells: Vec<u32>,
     /// By copy, its nodes in the order of corners: bit k is set at the upper face of axis k.
     pub nodes: Vec<[u32; 8]>,
     /// By copy, its moments.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub moments: Vec<Moments>,
-    /// By node, its rest position \[m\], a corner of cells.
+    /// By node, its rest position \[m\], a corner of cells; 0 for a free node.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub node_positions: Vec<[f64; 3]>,
     /// By node, its share of the body's volume \[m³\].
     ///
     /// Their sum is the volume of the scanlines, up to a percent off the surface's. A node of a
     /// part that reaches beyond its cell may have a small negative share.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub node_volumes: Vec<f64>,
     /// By vertex slot, its copy, or [`NO_COPY`] for free slots.
     pub vertex_copies: Vec<u32>,
     /// By vertex slot, the weights of its copy's nodes. They add up to 1.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub vertex_weights: Vec<[f32; 8]>,
     pub(crate) state: State,
 }
 
 /// The parts of the body that the copies stand for, by which the lattice follows edits.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct State {
     pub(crate) content: Content,
     pub(crate) parts: Parts,
     /// Cells with several parts.
     pub(crate) divided: BTreeMap<u32, Divided>,
     /// By copy, the shares of its corners in its volume \[m³\].
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) corner_volumes: Vec<[f64; 8]>,
     /// By node, the number of copies with it.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) node_users: Vec<u32>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) free_copies: BTreeSet<u32>,
     pub(crate) free_nodes: BTreeSet<u32>,
 }

@@ -14,6 +14,8 @@ mod follow;
 mod grid;
 mod lattice;
 mod lines;
+#[cfg(feature = "serde")]
+mod load;
 mod measures;
 mod nodes;
 mod overlap;
@@ -25,6 +27,8 @@ mod thin;
 mod work;
 
 pub use change::{AddedCopy, AddedNode, LatticeChange, NodeSource, OldCopy};
+#[cfg(feature = "serde")]
+pub use error::InvalidLattice;
 pub use error::LatticeError;
 pub use grid::Grid;
 pub use lattice::{Lattice, Moments, NO_COPY};

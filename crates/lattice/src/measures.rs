@@ -2,7 +2,7 @@
 
 use crate::grid::is_upper;
 use crate::lattice::Moments;
-use crate::lines::LINES;
+use crate::lines::{LINES, in_cell};
 
 /// Length of all scanlines of a full cell, along three axes [half cells].
 const FULL: f64 = 96.0;
@@ -20,6 +20,7 @@ const MAX_SMALL_VOLUME: f64 = 0.12;
 
 /// Moments of a part along the scanlines, from the center of a cell [half cells].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Sums {
     /// Of 1, x, y, z, yz, zx, xy and xyz: all that is linear along each axis.
     linear: [f64; 8],
@@ -32,6 +33,22 @@ impl Sums {
         linear: [0.0; 8],
         squares: [0.0; 3],
     };
+
+    /// Returns the moments of a full cell.
+    pub(crate) fn full() -> Self {
+        let mut sums = Self::EMPTY;
+        for axis in 0..3 {
+            for number in 0..LINES * LINES {
+                let mut place = [0.0; 3];
+                for (i, number) in (1..).zip([number % LINES, number / LINES]) {
+                    let k = (axis + i) % 3;
+                    place[k] = in_cell(k, number);
+                }
+                sums.add_span(axis, place, 2.0);
+            }
+        }
+        sums
+    }
 
     /// Adds a part of a scanline, given its middle.
     pub(crate) fn add_span(&mut self, axis: usize, middle: [f64; 3], length: f64) {
@@ -73,6 +90,23 @@ impl Sums {
     /// Returns the length of all scanlines [half cells].
     pub(crate) fn length(&self) -> f64 {
         self.linear[0]
+    }
+
+    /// Returns whether all numbers have the same bits.
+    #[cfg(feature = "serde")]
+    pub(crate) fn has_bits_of(&self, other: &Self) -> bool {
+        let bits = |sums: &Self| {
+            let squares = sums.squares.map(f64::to_bits);
+            (sums.linear.map(f64::to_bits), squares)
+        };
+        bits(self) == bits(other)
+    }
+
+    /// Returns whether all numbers are finite.
+    #[cfg(feature = "serde")]
+    pub(crate) fn is_finite(&self) -> bool {
+        let mut all = self.linear.iter().chain(&self.squares);
+        all.all(|sum| sum.is_finite())
     }
 
     /// Returns whether a part of this size may belong to a neighbor.

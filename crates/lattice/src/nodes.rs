@@ -265,6 +265,7 @@ impl Lattice {
             self.state.free_copies.insert(removed.copy);
         }
         for &node in &change.nodes_removed {
+            self.node_positions[node as usize] = [0.0; 3];
             self.node_volumes[node as usize] = 0.0;
             self.state.free_nodes.insert(node);
         }

@@ -1,5 +1,10 @@
 //! [`Parts`]: the connected parts of a body in each cell, and which of them meet in faces.
 
+#[cfg(feature = "serde")]
+mod compact;
+#[cfg(feature = "serde")]
+mod load;
+
 use crate::cell::{Measure, NONE};
 use crate::measures::Sums;
 use incise_mesh::index_u32;
@@ -7,6 +12,7 @@ use smallvec::SmallVec;
 
 /// A part that meets another one in a face of its cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Link(u32);
 
 impl Link {
@@ -27,33 +33,63 @@ impl Link {
 
 /// A connected part of a body in a cell.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Part {
+    /// Its cell; [`NONE`] for a free slot.
     pub(crate) cell: u32,
     /// Its number among the parts of the cell, which depends on the content of that alone.
     number: u32,
     /// The next part in the cell.
+    #[cfg_attr(feature = "serde", serde(skip))]
     next: u32,
     /// The part whose nodes carry it: itself or, if it is small, one near it.
     pub(crate) carrier: u32,
     /// The copy of a part that carries itself.
     pub(crate) copy: u32,
     /// While the lattice follows an edit: the copy that carried the part before.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) old_copy: u32,
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) is_live: bool,
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) is_small: bool,
+    #[cfg_attr(feature = "serde", serde(with = "compact::sums"))]
     pub(crate) sums: Sums,
     /// By face, the reach of a small part from there into its cell [cells].
+    #[cfg_attr(feature = "serde", serde(with = "compact::reaches"))]
     pub(crate) reaches: [f32; 6],
+    #[cfg_attr(feature = "serde", serde(with = "compact::links"))]
     pub(crate) links: SmallVec<[Link; 6]>,
 }
 
 /// The connected parts of a body in each cell.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Parts {
     pub(crate) slots: Vec<Part>,
     /// By cell, its first part.
+    #[cfg_attr(feature = "serde", serde(skip))]
     first: Vec<u32>,
     free: Vec<u32>,
+}
+
+impl Part {
+    /// Returns a free slot.
+    fn free() -> Self {
+        Self {
+            cell: NONE,
+            number: 0,
+            next: NONE,
+            carrier: NONE,
+            copy: NONE,
+            old_copy: NONE,
+            is_live: false,
+            is_small: false,
+            sums: Sums::EMPTY,
+            reaches: Measure::EMPTY.reaches,
+            links: SmallVec::new(),
+        }
+    }
 }
 
 impl Parts {
@@ -144,7 +180,17 @@ impl Parts {
 
     /// Frees the slots of removed parts.
     pub(crate) fn free(&mut self, removed: &[u32]) {
+        for &part in removed {
+            *self.get_mut(part) = Part::free();
+        }
         self.free.extend(removed);
+    }
+
+    /// Forgets the copies that carried parts before an edit.
+    pub(crate) fn forget_old_copies(&mut self, of: &[u32]) {
+        for &part in of {
+            self.get_mut(part).old_copy = NONE;
+        }
     }
 
     /// Returns whether two parts are linked.

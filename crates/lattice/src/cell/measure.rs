@@ -15,7 +15,7 @@ pub(crate) struct Measure {
 }
 
 impl Measure {
-    pub(super) const EMPTY: Self = Self {
+    pub(crate) const EMPTY: Self = Self {
         sums: Sums::EMPTY,
         reaches: [f32::NEG_INFINITY; 6],
     };

@@ -111,13 +111,7 @@ impl CellSolver {
 
     /// Makes one part of a full cell.
     pub(super) fn take_full(&mut self) {
-        let sums = *self.full.get_or_insert_with(|| {
-            let mut sums = Sums::EMPTY;
-            for span in &self.spans {
-                sums.add_span(span.axis, span.place_across(), 2.0);
-            }
-            sums
-        });
+        let sums = *self.full.get_or_insert_with(Sums::full);
         let reaches = Measure::EMPTY.reaches;
         self.parts.clear();
         self.parts.push(Measure { sums, reaches });

@@ -11,7 +11,7 @@ use proptest::prelude::*;
 
 /// An edit of a body.
 #[derive(Debug, Clone)]
-enum Step {
+pub(super) enum Step {
     /// A cut along a plane, given by a normal and a distance from the origin \[m\].
     Plane([f64; 3], f64),
     /// An incision from above along a direction, in steps down to a height \[m\].
@@ -25,7 +25,7 @@ enum Step {
     Undo,
 }
 
-fn step() -> impl Strategy<Value = Step> {
+pub(super) fn step() -> impl Strategy<Value = Step> {
     prop_oneof![
         3 => plane().prop_map(|(normal, distance)| Step::Plane(normal, distance)),
         3 => (0.0..6.3f64, -0.3..0.3f64, -0.45..0.4f64, 1u8..5).prop_map(
@@ -36,7 +36,7 @@ fn step() -> impl Strategy<Value = Step> {
 }
 
 /// Makes an edit. Returns its changes in order.
-fn edit(
+pub(super) fn edit(
     surface: &mut Surface,
     cutter: &mut Cutter,
     undos: &mut Vec<Undo>,

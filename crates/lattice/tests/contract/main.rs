@@ -1,6 +1,8 @@
 //! Public behavior of lattices.
 
 mod follow;
+#[cfg(feature = "serde")]
+mod save;
 
 use incise_cut::{CutParams, Cutter, Sweep};
 use incise_lattice::{Lattice, LatticeError, LatticeParams, NO_COPY};
