@@ -62,18 +62,33 @@ impl From<SavedGrid> for Grid {
     }
 }
 
+/// Low bits of a number of 64 bits that a cell size does not have, which leaves it ten.
+const FREE_BITS: u32 = 43;
+
+/// Parts of a cell between possible origins of grids.
+///
+/// With the ten bits of a cell size and eight of these, a corner up to 64 cells from the origin of
+/// coordinates has 24 bits, and 32-bit storage does not round it: a lattice at rest is exactly
+/// undeformed.
+const PARTS_OF_CELL: f64 = 256.0;
+
 impl Grid {
-    /// Returns the cells of a size \[m\] around a box, and one more layer around them.
+    /// Returns the cells around a box, and one more layer around them.
     ///
-    /// The box is in the middle, and may exceed the cells by 1 % of one.
+    /// The size of the cells \[m\] is rounded up to ten bits, by 0.2 % at most, and their corners
+    /// to 1/256 of it. The box is in the middle up to that, and may exceed the cells by 1 % of one.
     #[must_use]
     pub fn around(bounds: &Aabb, cell_size: f64) -> Self {
+        let mask = (1_u64 << FREE_BITS) - 1;
+        let cell_size = f64::from_bits((cell_size.to_bits() + mask) & !mask);
         let [low, high] = [bounds.min, bounds.max].map(|p| Vec3::from(p.map(f64::from)));
         let extent = high - low;
         let counts = [0, 1, 2].map(|k| ceil_to_u32(extent[k] / cell_size - SLACK).max(1));
         let size = Vec3::from(counts.map(f64::from)) * cell_size;
+        let origin = low + (extent - size) / 2.0 - Vec3::repeat(cell_size);
+        let part = cell_size / PARTS_OF_CELL;
         Self {
-            origin: low + (extent - size) / 2.0 - Vec3::repeat(cell_size),
+            origin: origin.map(|c| (c / part).round() * part),
             cell_size,
             density: 1.0 / cell_size,
             counts: counts.map(|count| count + 2),

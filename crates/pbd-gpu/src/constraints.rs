@@ -55,7 +55,6 @@ pub(crate) struct Constraints {
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) pieces: PieceVertices,
     /// The inside of a solid, which has no other constraints within.
-    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) interior: Option<Box<Interior>>,
 }
 

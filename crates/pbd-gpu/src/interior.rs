@@ -7,6 +7,8 @@ mod adopt;
 mod embed;
 pub(crate) mod energy;
 mod follow;
+#[cfg(feature = "serde")]
+mod load;
 mod masses;
 mod rest;
 
@@ -25,6 +27,7 @@ const MAX_PARTS: f64 = 8.0;
 
 /// The inside of a solid.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Interior {
     pub(crate) lattice: Lattice,
     /// Position \[m\] and inverse mass [1/kg], shape \[nodes\].
@@ -32,24 +35,33 @@ pub(crate) struct Interior {
     /// Velocity [m/s], last component 0, shape \[nodes\].
     pub(crate) velocities: Vec<[f32; 4]>,
     /// Forces of cells in the last substep \[N\], which the next one repeats, shape \[nodes\].
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) node_forces: Vec<[f32; 4]>,
     /// Mass \[kg\], shape \[nodes\].
     pub(crate) mass: Vec<f32>,
     pub(crate) cells: CellSet,
     /// Inverse masses of vertices as pushes see them [1/kg], shape [vertex slots].
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) inverse_masses: Vec<f32>,
     /// Targets of pins in the last frame.
     last_pins: Vec<Pin>,
     /// Positions of pinned vertices at the start of the frame \[m\], shape \[pins\].
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) pin_starts: Vec<[f32; 3]>,
     /// Vertices that colliders may reach in the frame.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) near: Vec<Near>,
     /// Mass by rest area at creation [kg/m^2].
     area_density: f64,
     /// Volume of the surface by that of the scanlines.
     volume_scale: f64,
+    #[cfg_attr(feature = "serde", serde(skip))]
     scratch: EditScratch,
+    /// Coefficients of the last frame.
+    #[cfg_attr(feature = "serde", serde(skip, default = "no_constants"))]
+    constants: CellConstants,
     /// Mean product of the inverse mass and the fraction of a cell, by volume [1/(kg m²)].
+    #[cfg_attr(feature = "serde", serde(skip))]
     mean_stiff: f64,
     /// Checksum of the positions of vertices as they were embedded.
     embedded: u64,
@@ -92,6 +104,7 @@ impl Interior {
             area_density: mass / surface.lumped_rest_areas().iter().sum::<f64>(),
             volume_scale: 1.0,
             scratch: EditScratch::default(),
+            constants: CellConstants::NONE,
             mean_stiff: 0.0,
             embedded: 0,
             has_new_velocities: false,
@@ -105,7 +118,10 @@ impl Interior {
             *x = embed::to_row(*rest);
         }
         interior.set_masses(surface, mass);
-        interior.adopt_positions(surface);
+        let rest = surface.positions().iter().zip(surface.rest_positions());
+        if rest.clone().any(|(x, rest)| x[..3] != rest[..]) {
+            interior.adopt_positions(surface);
+        }
         interior.embed(surface, velocities);
         Ok(interior)
     }
@@ -116,8 +132,19 @@ impl Interior {
     }
 
     /// Returns the coefficients of the cells in a substep of `h` \[s\].
+    ///
+    /// The forces that the first one repeats are those of these coefficients.
+    pub(crate) fn begin_frame(&mut self, solid: &Solid, h: f32) -> CellConstants {
+        let constants = self.constants_of(solid, h);
+        if constants != self.constants {
+            self.constants = constants;
+            (self.cells).sum_forces(&mut self.node_forces, &constants, |_| true);
+        }
+        constants
+    }
+
     #[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
-    pub(crate) fn constants(&self, solid: &Solid, h: f32) -> CellConstants {
+    fn constants_of(&self, solid: &Solid, h: f32) -> CellConstants {
         let size = self.lattice.grid.cell_size();
         let square = f64::from(h) * f64::from(h);
         let [shape, volume, hourglass] = stiffness(solid, size).map(|k| (k * square) as f32);
@@ -128,7 +155,7 @@ impl Interior {
             volume,
             hourglass,
             square: square as f32,
-            viscous: 1.0 + solid.relaxation_time / h,
+            viscosity: solid.relaxation_time / h,
         }
     }
 
@@ -181,6 +208,12 @@ impl Interior {
             + self.mass.capacity()
             + self.cells.capacity()
     }
+}
+
+/// Returns the coefficients before the first frame.
+#[cfg(feature = "serde")]
+fn no_constants() -> CellConstants {
+    CellConstants::NONE
 }
 
 /// Returns the stiffness of a full cell against changes of shape and of volume, `2 mu V` and

@@ -106,8 +106,10 @@ fn a_cube_of_whole_cells_has_a_copy_for_each() {
             "{n} cells"
         );
         assert_eq!(lattice.node_positions.len(), nodes, "{n} cells");
+        // Sizes have ten bits: cells of 1/3 and 1/5 m are rounded up, by 0.2 % at most.
+        let rounding = if n.is_power_of_two() { 1e-5 } else { 0.01 };
         for moments in &lattice.moments {
-            assert!((moments.fraction - 1.0).abs() < 1e-5, "{moments:?}");
+            assert!((moments.fraction - 1.0).abs() < rounding, "{moments:?}");
             for k in 0..3 {
                 assert!(moments.center[k].abs() < 0.01, "{moments:?}");
                 assert!((moments.spread[k] - 1.0).abs() < 0.02, "{moments:?}");

@@ -1,8 +1,11 @@
 //! [`CellSet`]: the elastic cells of a solid, in blocks of eight by color.
 
+#[cfg(feature = "serde")]
+mod load;
+
 use crate::constraints::batches::{OVERFLOW, Slot};
 use crate::constraints::coloring::VertexColors;
-use crate::kernels::cells::add_forces;
+use crate::kernels::cells::{CellConstants, add_forces};
 use bytemuck::{Pod, Zeroable};
 use incise_lattice::Moments;
 use incise_mesh::VertexId;
@@ -104,6 +107,11 @@ pub(crate) struct CellBatch {
 
 /// All cells of a solid. Cells of one color share no node.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(from = "load::SavedCells", into = "load::SavedCells")
+)]
 pub(crate) struct CellSet {
     batches: Vec<CellBatch>,
     overflow: CellBatch,
@@ -255,11 +263,11 @@ impl CellSet {
         )
     }
 
-    /// Sets the forces of cells on changed nodes \[N\], with one by four cell sizes [1/m].
+    /// Sets the forces of cells on changed nodes that the next prediction repeats \[N\].
     pub(crate) fn sum_forces(
         &self,
         node_forces: &mut [[f32; 4]],
-        scale: f32,
+        constants: &CellConstants,
         is_changed: impl Fn(NodeId) -> bool,
     ) {
         for (i, force) in node_forces.iter_mut().enumerate() {
@@ -272,7 +280,7 @@ impl CellSet {
                 let (block, lane) = (index / CELLS_PER_BLOCK, index % CELLS_PER_BLOCK);
                 let block = &batch.blocks[block];
                 if block.nodes[lane].iter().any(|&node| is_changed(node)) {
-                    add_forces(node_forces, block, lane, scale, &is_changed);
+                    add_forces(node_forces, block, lane, constants, &is_changed);
                 }
             }
         }

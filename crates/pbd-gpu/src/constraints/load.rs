@@ -32,7 +32,11 @@ impl Constraints {
             springs.finish_load(slots, 1)?;
         }
         let bending = self.bending.as_ref();
-        self.edges.finish_load(topology, &self.stretch, bending)?;
+        if let Some(interior) = &mut self.interior {
+            interior.finish_load(surface)?;
+        } else {
+            self.edges.finish_load(topology, &self.stretch, bending)?;
+        }
         if let Some(patches) = &mut self.patches {
             let done = patches.finish_load(surface);
             done.map_err(|rule| InvalidConstraints { rule, edge: None })?;
@@ -51,6 +55,20 @@ impl Constraints {
 
     /// Checks that the kinds of constraints are those of the material.
     fn check_kinds(&self, surface: &Surface, of: &Material) -> Result<(), InvalidConstraints> {
+        if self.interior.is_some() != of.solid.is_some() {
+            return broken("a solid has an inside", None);
+        }
+        if of.solid.is_some() {
+            let is_empty = self.stretch.is_empty()
+                && self.bending.is_none()
+                && self.interior_springs.is_none()
+                && self.volumes.pieces.is_empty();
+            return if is_empty {
+                Ok(())
+            } else {
+                broken("a solid has no constraints of its surface", None)
+            };
+        }
         if self.bending.is_some() != of.bending.is_some()
             || self.interior_springs.is_some() != of.interior_springs.is_some()
             || !(self.volumes.pieces.is_empty() || of.volume.is_some())

@@ -40,8 +40,7 @@ impl Interior {
             add(&mut self.positions[node], map.at(x));
         }
         self.turn(&maps);
-        let scale = self.derivative_scale();
-        (self.cells).sum_forces(&mut self.node_forces, scale, |_| true);
+        (self.cells).sum_forces(&mut self.node_forces, &self.constants, |_| true);
         self.spread(change, |interior| &mut interior.positions);
     }
 

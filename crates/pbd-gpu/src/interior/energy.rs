@@ -2,41 +2,29 @@
 
 use super::{Interior, stiffness};
 use crate::constraints::cells::{CELLS_PER_BLOCK, CellBlock, CellSet};
-use crate::kernels::cells::RESOLVED;
 use crate::material::Solid;
 
 impl Interior {
     /// Returns the elastic energy that the forces of the last substep hold \[J\].
-    pub(crate) fn elastic_energy(&self, solid: &Solid, h: f32) -> f64 {
-        energy_of(
-            &self.cells,
-            stiffness(solid, self.lattice.grid.cell_size()),
-            h,
-        )
+    pub(crate) fn elastic_energy(&self, solid: &Solid) -> f64 {
+        energy_of(&self.cells, stiffness(solid, self.lattice.grid.cell_size()))
     }
 }
 
-/// Returns the elastic energy of cells \[J\], with the [stiffnesses](stiffness) of a full one, after
-/// substeps of `h` \[s\].
-pub(crate) fn energy_of(cells: &CellSet, stiffness: [f64; 3], h: f32) -> f64 {
-    let square = f64::from(h) * f64::from(h);
+/// Returns the elastic energy of cells \[J\], with the [stiffnesses](stiffness) of a full one.
+pub(crate) fn energy_of(cells: &CellSet, stiffness: [f64; 3]) -> f64 {
     let batches = cells.batches().iter().chain([cells.overflow()]);
     batches
         .flat_map(|batch| {
             let blocks = batch.blocks.iter().enumerate();
             blocks.flat_map(|(i, block)| (0..batch.count(i)).map(move |lane| (block, lane)))
         })
-        .map(|(block, lane)| cell_energy(block, lane, stiffness, square))
+        .map(|(block, lane)| cell_energy(block, lane, stiffness))
         .sum()
 }
 
 /// Returns the energy of a cell \[J\].
-fn cell_energy(
-    block: &CellBlock,
-    lane: usize,
-    [shape, volume, bending]: [f64; 3],
-    square: f64,
-) -> f64 {
+fn cell_energy(block: &CellBlock, lane: usize, [shape, volume, bending]: [f64; 3]) -> f64 {
     let number = |row: &[f32; CELLS_PER_BLOCK]| f64::from(row[lane]);
     let fraction = number(&block.fraction);
     let stress = block.stress.each_ref().map(number);
@@ -55,8 +43,5 @@ fn cell_energy(
             square / number(bending)
         })
         .sum();
-    // Stiff cells keep a share of their forces.
-    let ratio = volume * fraction * number(&block.strain_weight) * square;
-    let kept = (f64::from(RESOLVED) / ratio).min(1.0);
-    0.5 * (of_strain + of_bending / bending) / (fraction * kept * kept)
+    0.5 * (of_strain + of_bending / bending) / fraction
 }

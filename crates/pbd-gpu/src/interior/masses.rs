@@ -43,8 +43,7 @@ impl Interior {
         let size = self.lattice.grid.cell_size();
         let of_node = |node: VertexId| is_changed[node.index()];
         self.mean_stiff = self.cells.set_weights(inverse_mass, of_node, size);
-        let scale = self.derivative_scale();
-        (self.cells).sum_forces(&mut self.node_forces, scale, of_node);
+        (self.cells).sum_forces(&mut self.node_forces, &self.constants, of_node);
         let slots = surface.positions().len();
         self.inverse_masses.resize(slots, 0.0);
         for slot in 0..slots {

@@ -12,9 +12,10 @@
 //! equilibrium at rest, and a spinning body keeps its angular momentum: a force at the positions
 //! where it was found exerts no torque.
 //!
-//! **Viscosity.** A row of stiffness `k`, force `f` and inverse mass `w` changes by
-//! `-(k C + f) / (1 + (1 + t / h) k w)`. The nodes get this change times `1 + t / h`, and the next
-//! prediction repeats it once: the rest is the viscous force `-k t dC/dt` of implicit Euler.
+//! **Viscosity.** A row of stiffness `k`, force `f` and inverse mass `w`, of which the share `s` is
+//! repeated, changes its force by `-(k C + f + k w (1 - s) f) / (1 + (1 + t / h) k w)`. The nodes
+//! get this change times `1 + t / h`, and what was not repeated: the elastic force and the viscous
+//! force `-k t dC/dt` of implicit Euler.
 
 mod modes;
 mod rotation;
@@ -33,7 +34,8 @@ use std::cell::Cell;
 /// Where all cells deform alike, neighbors undo half of the change that a cell makes, and its force
 /// follows its strain after `(1 + t / h) k w / 2` substeps. The viscosity is that of `1 + t / h`
 /// substeps, one of them numerical. So such a motion decays for `k w < 2`, and would grow beyond. A
-/// stiffer cell repeats the share of its forces that gives this ratio.
+/// stiffer cell repeats the share of its forces that gives this ratio, and has that share of the
+/// viscosity.
 pub(crate) const RESOLVED: f32 = 2.0;
 
 /// Coefficients of the cells of a body in a substep of `h` \[s\].
@@ -51,8 +53,8 @@ pub(crate) struct CellConstants {
     pub(crate) hourglass: f32,
     /// `h^2` \[s²\].
     pub(crate) square: f32,
-    /// One plus the relaxation time by `h`.
-    pub(crate) viscous: f32,
+    /// Relaxation time by `h`.
+    pub(crate) viscosity: f32,
 }
 
 impl CellConstants {
@@ -64,7 +66,7 @@ impl CellConstants {
         volume: 0.0,
         hourglass: 0.0,
         square: 1.0,
-        viscous: 1.0,
+        viscosity: 0.0,
     };
 }
 
@@ -109,7 +111,7 @@ pub(crate) fn project<G: Gather<L>, const L: usize>(
     } = cells;
     let nodes = nodes::<L>(block, first, count);
     let (x, w) = positions(gather, particles, &nodes);
-    let rows = Rows::load(gather, block, first, constants.scale);
+    let rows = Rows::load(gather, block, first, constants);
     let modes = [to_modes(x[0]), to_modes(x[1]), to_modes(x[2])];
     let f = [
         rows.derivatives.gradient(&modes[0]),
@@ -118,64 +120,50 @@ pub(crate) fn project<G: Gather<L>, const L: usize>(
     ];
     let (q, r) = nearest_rotation(gather, f, load_all(gather, &block.rotation, first));
     let mut forces = Forces::load(gather, block, first);
-    let (square, per_square) = (constants.square, 1.0 / constants.square);
-    let square = Lanes::splat(gather.simd(), square);
+    let square = Lanes::splat(gather.simd(), constants.square);
+    let per_square = Lanes::splat(gather.simd(), 1.0 / constants.square);
     forces.scale(square);
-    let change = rows.solve(&forces, (&f, &modes, &r), constants);
-    for (force, change) in forces.stress.iter_mut().zip(change.stress) {
-        *force = *force + change;
-    }
-    for (force, change) in forces.hourglass.iter_mut().zip(change.hourglass) {
-        *force = [
-            force[0] + change[0],
-            force[1] + change[1],
-            force[2] + change[2],
-        ];
-    }
-    let mut change = rows.impulses(&change, &r);
-    for mode in change.as_flattened_mut() {
-        *mode = constants.viscous * *mode;
-    }
-    forces.scale(per_square * rows.kept(constants));
-    let total = rows.impulses(&forces, &r);
-    let change = [
-        to_nodes(change[0]),
-        to_nodes(change[1]),
-        to_nodes(change[2]),
+    let applied = rows.solve(&mut forces, (&f, &modes, &r), constants);
+    let applied = rows.impulses(&applied, &r);
+    let applied = [
+        to_nodes(applied[0]),
+        to_nodes(applied[1]),
+        to_nodes(applied[2]),
     ];
-    let total = [to_nodes(total[0]), to_nodes(total[1]), to_nodes(total[2])];
+    forces.scale(per_square);
+    let repeated = rows.repeated(&forces, &r);
     for i in 0..8 {
-        let change = gather.to_rows([
-            w[i] * change[0][i],
-            w[i] * change[1][i],
-            w[i] * change[2][i],
+        let applied = gather.to_rows([
+            w[i] * applied[0][i],
+            w[i] * applied[1][i],
+            w[i] * applied[2][i],
         ]);
-        let total = gather.to_rows([total[0][i], total[1][i], total[2][i]]);
+        let repeated = gather.to_rows([repeated[0][i], repeated[1][i], repeated[2][i]]);
         for lane in 0..count {
             let node = nodes[lane][i];
-            gather.add_d(particles, node, change[lane]);
-            gather.add_row(&node_forces[node.index()], total[lane]);
+            gather.add_d(particles, node, applied[lane]);
+            gather.add_row(&node_forces[node.index()], repeated[lane]);
         }
     }
     store_all::<G::S, L, 4>(&mut block.rotation, first, count, q);
     forces.store::<L>(block, first, count);
 }
 
-/// Adds the forces of one cell to those of the nodes that `is_changed` holds for \[N\].
+/// Adds the forces of one cell that a prediction repeats to those of the nodes that `is_changed`
+/// holds for \[N\].
 pub(crate) fn add_forces(
     node_forces: &mut [[f32; 4]],
     block: &CellBlock,
     lane: usize,
-    scale: f32,
+    constants: &CellConstants,
     is_changed: impl Fn(NodeId) -> bool,
 ) {
     let gather = Transpose(Scalar);
-    let rows = Rows::load::<_, 1>(gather, block, lane, scale);
+    let rows = Rows::load::<_, 1>(gather, block, lane, constants);
     let forces = Forces::load::<_, 1>(gather, block, lane);
     let r = matrix(load_all::<_, 1, 4>(gather, &block.rotation, lane));
-    let modes = rows.impulses(&forces, &r);
-    for k in 0..3 {
-        let at_nodes = to_nodes(modes[k]);
+    let repeated = rows.repeated(&forces, &r);
+    for (k, at_nodes) in repeated.into_iter().enumerate() {
         for (&node, force) in block.nodes[lane].iter().zip(at_nodes) {
             if is_changed(node) {
                 let [force] = force.to_array::<1>();
@@ -192,6 +180,10 @@ struct Rows<S: Simd> {
     bending: [Lanes<S>; 4],
     strain_weight: Lanes<S>,
     mode_weights: [Lanes<S>; 8],
+    /// Share of the forces that the next prediction repeats.
+    kept: Lanes<S>,
+    /// Factor of changes of forces, by viscosity.
+    viscous: Lanes<S>,
 }
 
 impl<S: Simd> Rows<S> {
@@ -200,60 +192,68 @@ impl<S: Simd> Rows<S> {
         gather: G,
         block: &CellBlock,
         first: usize,
-        scale: f32,
+        constants: &CellConstants,
     ) -> Self {
+        let center = load_all(gather, &block.center, first);
+        let fraction = load(gather, &block.fraction, first);
+        let strain_weight = load(gather, &block.strain_weight, first);
+        let ratio = (constants.volume * fraction) * strain_weight;
+        let one = Lanes::splat(ratio.simd(), 1.0);
+        let resolved = Lanes::splat(ratio.simd(), RESOLVED);
+        let kept = ratio.gt(resolved).select(resolved / ratio, one);
         Self {
-            derivatives: Derivatives::new(load_all(gather, &block.center, first), scale),
-            fraction: load(gather, &block.fraction, first),
+            derivatives: Derivatives::new(center, constants.scale),
+            fraction,
             bending: load_all(gather, &block.bending, first),
-            strain_weight: load(gather, &block.strain_weight, first),
+            strain_weight,
             mode_weights: load_all(gather, &block.mode_weights, first),
+            kept,
+            viscous: one + constants.viscosity * kept,
         }
     }
 
-    /// Returns the share of the forces that the next prediction repeats.
-    #[inline(always)]
-    fn kept(&self, constants: &CellConstants) -> Lanes<S> {
-        let ratio = (constants.volume * self.fraction) * self.strain_weight;
-        let one = Lanes::splat(ratio.simd(), 1.0);
-        let resolved = Lanes::splat(ratio.simd(), RESOLVED);
-        ratio.gt(resolved).select(resolved / ratio, one)
-    }
-
-    /// Returns the change of elastic forces that solves the rows, given those that act already.
+    /// Solves the rows for the elastic forces, of which a share acts already, and returns the
+    /// impulses that are to be applied.
     #[inline(always)]
     fn solve(
         &self,
-        forces: &Forces<S>,
+        forces: &mut Forces<S>,
         (f, modes, r): Deformation<'_, S>,
         constants: &CellConstants,
     ) -> Forces<S> {
         let one = Lanes::splat(self.fraction.simd(), 1.0);
+        let unit = Lanes::splat(self.fraction.simd(), constants.unit);
         let shape = constants.shape * self.fraction;
         let volume = constants.volume * self.fraction;
         let bending = constants.hourglass * self.fraction;
+        let rest = one - self.kept;
         let strain = strain(f, r);
-        let unit = Lanes::splat(self.fraction.simd(), constants.unit);
         let [xx, yy, zz] = [strain[0] - unit, strain[1] - unit, strain[2] - unit];
-        let stress = &forces.stress;
+        let stress = forces.stress;
         let third = 1.0 / 3.0;
         let trace = third * ((xx + yy) + zz);
         let pressure = third * ((stress[0] + stress[1]) + stress[2]);
-        let weight = constants.viscous * self.strain_weight;
-        let mean = (volume * trace + pressure) / (one + volume * weight);
-        let divisor = one + shape * weight;
-        let mut change = Forces {
-            stress: *stress,
-            hourglass: forces.hourglass,
-        };
+        let weight = self.strain_weight;
+        let viscous = self.viscous * weight;
+        let (by_volume, by_shape) = (
+            one + rest * (volume * weight),
+            one + rest * (shape * weight),
+        );
+        let mean = (volume * trace + by_volume * pressure) / (one + volume * viscous);
+        let divisor = one + shape * viscous;
+        let mut applied = *forces;
         for (k, strain) in [xx, yy, zz].into_iter().enumerate() {
-            let rest = shape * (strain - trace) + (stress[k] - pressure);
-            change.stress[k] = -(rest / divisor + mean);
+            let off = shape * (strain - trace) + by_shape * (stress[k] - pressure);
+            let change = -(off / divisor + mean);
+            applied.stress[k] = rest * stress[k] + self.viscous * change;
+            forces.stress[k] = stress[k] + change;
         }
         for k in 3..6 {
-            change.stress[k] = -((shape * strain[k] + stress[k]) / divisor);
+            let change = -((shape * strain[k] + by_shape * stress[k]) / divisor);
+            applied.stress[k] = rest * stress[k] + self.viscous * change;
+            forces.stress[k] = stress[k] + change;
         }
-        let coupled = self.stress_impulses(&change.stress, r);
+        let coupled = self.stress_impulses(&applied.stress, r);
         let weights = &self.mode_weights;
         for (h, m) in HOURGLASS.into_iter().enumerate() {
             let stiffness = bending * self.bending[h];
@@ -263,14 +263,15 @@ impl<S: Simd> Rows<S> {
                     bound = bound + weights[m ^ n].abs();
                 }
             }
-            let divisor = one + (0.125 * constants.viscous) * (stiffness * bound);
+            let weight = 0.125 * (stiffness * bound);
+            let (by_weight, divisor) = (one + rest * weight, one + self.viscous * weight);
             let mut mode = [modes[0][m], modes[1][m], modes[2][m]];
             for k in 0..3 {
                 let mut moved = weights[m ^ 1] * coupled[k][1];
                 for n in 2..8 {
                     moved = moved + weights[m ^ n] * coupled[k][n];
                 }
-                mode[k] = 0.125 * mode[k] + constants.viscous * moved;
+                mode[k] = 0.125 * mode[k] + moved;
             }
             let in_frame = [
                 (r[0][0] * mode[0] + r[1][0] * mode[1]) + r[2][0] * mode[2],
@@ -278,11 +279,22 @@ impl<S: Simd> Rows<S> {
                 (r[0][2] * mode[0] + r[1][2] * mode[1]) + r[2][2] * mode[2],
             ];
             for (k, mode) in in_frame.into_iter().enumerate() {
-                let rest = stiffness * mode + forces.hourglass[h][k];
-                change.hourglass[h][k] = -(rest / divisor);
+                let force = forces.hourglass[h][k];
+                let change = -((stiffness * mode + by_weight * force) / divisor);
+                applied.hourglass[h][k] = rest * force + self.viscous * change;
+                forces.hourglass[h][k] = force + change;
             }
         }
-        change
+        applied
+    }
+
+    /// Returns the forces at the nodes that the next prediction repeats, by axis.
+    #[inline(always)]
+    fn repeated(&self, forces: &Forces<S>, r: &Matrix<S>) -> Field<S> {
+        let mut repeated = *forces;
+        repeated.scale(self.kept);
+        let modes = self.impulses(&repeated, r);
+        [to_nodes(modes[0]), to_nodes(modes[1]), to_nodes(modes[2])]
     }
 
     /// Returns the impulses of forces on the modes, along the axes of space.

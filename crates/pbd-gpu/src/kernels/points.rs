@@ -1,8 +1,8 @@
 //! Vertices of a solid: pins and colliders act on them, and their nodes move.
 //!
 //! A vertex is where its weights `b` place it. A push of it moves node `i` by `w_i b_i` of the
-//! impulse. The impulse is that for the inverse mass `(sum of b sqrt(w))^2`, which bounds the
-//! motion of every vertex that the push moves.
+//! impulse, and the vertex by `sum of b^2 w` of it. Contacts between vertices take the inverse mass
+//! `(sum of b sqrt(w))^2` instead, which bounds the motion of every vertex that the push moves.
 
 use super::colliders::{ColliderPass, push, separation, touches};
 use super::particle_state::{ParticleState, ParticleStates};
@@ -184,7 +184,9 @@ pub(crate) struct Near {
 
 /// Pushes vertices out of colliders at a time of the frame; returns whether one was inside.
 ///
-/// A depth that a vertex had before the substep shrinks by [`RECOVERY_SPEED`].
+/// A push is the smallest motion of the nodes, by their masses, that moves its vertex out. So pushes
+/// never move nodes away from where all vertices are out, in whatever order they come. A depth that
+/// a vertex had before the substep shrinks by [`RECOVERY_SPEED`].
 #[inline(never)]
 pub(crate) fn colliders(
     points: Points<'_>,
@@ -202,7 +204,7 @@ pub(crate) fn colliders(
             let ParticleState { x, mut d } = points.state(slot);
             let q = [0, 1, 2].map(|k: usize| x[k] - origin[k]);
             let (distance, n) = separation(q, [d[0], d[1], d[2]], c);
-            let w = points.inverse_masses[slot];
+            let w = points.response(slot);
             if !(touches(distance, q) && w > 0.0 && (distance < 0.0 || *held > 0.0)) {
                 continue;
             }

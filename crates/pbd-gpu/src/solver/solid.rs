@@ -30,7 +30,7 @@ impl Solver {
     #[must_use]
     pub fn elastic_energy(&self) -> f64 {
         match (&self.constraints.interior, &self.material.solid) {
-            (Some(interior), Some(solid)) => interior.elastic_energy(solid, self.substep()),
+            (Some(interior), Some(solid)) => interior.elastic_energy(solid),
             _ => 0.0,
         }
     }

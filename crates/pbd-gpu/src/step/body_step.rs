@@ -175,7 +175,8 @@ impl BodyStep<'_, '_, '_> {
                         h: constants.collider_step,
                         time: self.time,
                     };
-                    solid.push_out(particles, v, body.colliders, by, constants);
+                    *self.meets_collider |=
+                        solid.push_out(particles, v, body.colliders, by, constants);
                 }
             }
             Pass::Pins => pins::pins(particles, body.pins, self.substeps_left),

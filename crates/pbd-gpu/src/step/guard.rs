@@ -380,7 +380,7 @@ impl GuardedBody<'_> {
         } else if let Some(relaxation) = inputs.relaxation {
             let elastic = match self.cells {
                 #[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
-                Some((cells, stiffness)) => energy_of(cells, stiffness, inputs.constants.h) as f32,
+                Some((cells, stiffness)) => energy_of(cells, stiffness) as f32,
                 None => elastic_energy(self.positions, self.sets, &inputs.constants),
             };
             if inputs.is_unlimited {

@@ -19,9 +19,12 @@ impl StepState {
             stretch,
             bending,
             interior_springs,
+            interior,
             ..
         } = constraints;
-        (self.plan).finish_load(stretch, bending.as_ref(), interior_springs.as_ref(), None);
+        let cells = interior.as_ref().map(|interior| &interior.cells);
+        let (bending, springs) = (bending.as_ref(), interior_springs.as_ref());
+        (self.plan).finish_load(stretch, bending, springs, cells);
         self.history.validate(slots)?;
         let mean = self.mean_rest_length.unwrap_or_default();
         let is_valid = self.settling_time_left.is_finite() && mean.is_finite();

@@ -53,8 +53,8 @@ pub(crate) fn prepare(
         _ => 0.0,
     };
     let mut constants = constants_of(material, &frame, h, lift, params);
-    if let (Some(interior), Some(solid)) = (&constraints.interior, &material.solid) {
-        constants.cells = interior.constants(solid, h);
+    if let (Some(interior), Some(solid)) = (&mut constraints.interior, &material.solid) {
+        constants.cells = interior.begin_frame(solid, h);
         constants.lift = 1.0;
     }
     constants.check()?;

@@ -75,11 +75,11 @@ fn max_speed(solver: &Solver) -> f64 {
 fn sag(across: u32, squares: u32, dt: f32, poisson_ratio: f32) -> f64 {
     let mut surface = cuboid([0.5, 0.1, 0.1], [5 * squares, squares, squares]);
     let cell = 0.2 / across as f32;
-    // Damped to rest in 3 s.
-    let material = with_relaxation(solid(1e6, poisson_ratio, Some(cell)), 0.2);
+    // Damped to rest in 6 s.
+    let material = with_relaxation(solid(1e6, poisson_ratio, Some(cell)), 0.05);
     let mut solver = Solver::new(&mut surface, &material).unwrap();
     pin_where(&mut surface, &mut solver, |p| p.x < -0.499);
-    let frames = (3.0 / f64::from(dt)).round() as u32;
+    let frames = (6.0 / f64::from(dt)).round() as u32;
     for _ in 0..frames {
         solver.step(&mut surface, dt, &WEIGHTY).unwrap();
     }
@@ -171,7 +171,7 @@ fn a_spinning_body_keeps_its_angular_momentum() {
         ..WEIGHTLESS
     };
     for mut surface in bodies() {
-        let mut solver = Solver::new(&mut surface, &solid(1e6, 0.45, None)).unwrap();
+        let mut solver = Solver::new(&mut surface, &solid(1e5, 0.45, None)).unwrap();
         spin(&surface, &mut solver, Vec3::new(0.5, 3.0, -1.0));
         // The first step maps the velocities of vertices to the nodes.
         solver.step(&mut surface, DT, &params).unwrap();
@@ -256,7 +256,7 @@ fn energy_never_rises() {
 
 #[test]
 fn a_dropped_body_lies_on_the_ground_with_its_volume() {
-    for mut surface in bodies() {
+    for (number, mut surface) in bodies().into_iter().enumerate() {
         let volume = surface.volume();
         let mut solver = Solver::new(&mut surface, &solid(1e6, 0.45, None)).unwrap();
         set_ground(&mut solver, -1.0);
@@ -278,7 +278,8 @@ fn a_dropped_body_lies_on_the_ground_with_its_volume() {
         let low = surface.bounds().min[1];
         assert!((low + 1.0).abs() < 5e-3, "{low}");
         // The ball may roll.
-        assert!(max_speed(&solver) < 0.1, "{} m/s", max_speed(&solver));
+        let is_still = number == 0 || max_speed(&solver) < 0.05;
+        assert!(is_still, "{} m/s", max_speed(&solver));
         assert!((surface.volume() / volume - 1.0).abs() < 0.02);
     }
 }
