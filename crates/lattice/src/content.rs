@@ -335,6 +335,13 @@ fn cells_around(grid: &Grid, corners: &[Vec3; 3]) -> [[u32; 3]; 2] {
     [grid.cell_at(min - margin), grid.cell_at(max + margin)]
 }
 
+/// Distance by which scanlines enter a body late [cells].
+///
+/// The walls of an incision in a deformed body coincide at rest up to the rounding of positions and
+/// of rest positions, each [`ROUNDING`]. A line that entered one wall before it has left the other
+/// would join both sides.
+const WALL_GAP: f64 = 3.0 * ROUNDING;
+
 /// Calls `found` with each crossing of a triangle: axis, numbers of the scanline, and crossing.
 fn find_crossings(
     body: &Body<'_>,
@@ -349,6 +356,7 @@ fn find_crossings(
         return;
     }
     let sorted = Sorted::new(corners);
+    let gap = WALL_GAP * body.grid.cell_size();
     for (axis, lines) in lines.iter().enumerate() {
         let [u, v] = lines.across;
         if ranges[u].is_empty() || ranges[v].is_empty() {
@@ -358,8 +366,9 @@ fn find_crossings(
         for j in ranges[v].clone() {
             for i in ranges[u].clone() {
                 let place = [lines.at(u, i), lines.at(v, j)];
-                if let Some(crossing) = projection.crossing(place) {
-                    found(axis, [i, j], crossing);
+                if let Some((at, leaves)) = projection.crossing(place) {
+                    let at = if leaves { at } else { at + gap };
+                    found(axis, [i, j], (at, leaves));
                 }
             }
         }

@@ -6,12 +6,13 @@ use incise_mesh::{Surface, TopologyDelta, Vec3, VertexOrigin};
 use nalgebra::Matrix3;
 
 /// Maximum number of steps of Newton's method.
-const MAX_STEPS: usize = 8;
+const MAX_STEPS: usize = 16;
 
 /// Distance from the target at which Newton's method ends [cells].
 ///
-/// Rest positions have 24 bits, of which a cell takes the last 18 or so.
-const CONVERGED: f64 = 1e-5;
+/// The two walls of an incision coincide, and must do so at rest. They start from different guesses,
+/// and rounding to 24 bits makes them equal if both have converged to many more digits.
+const CONVERGED: f64 = 1e-12;
 
 /// Distance beyond its cell up to which a point is in it [cells].
 const OUTSIDE: f64 = 1e-3;

@@ -23,6 +23,7 @@ mod sheets;
 mod sleep;
 mod sleep_long;
 mod slices;
+mod solids;
 mod undo_in_motion;
 mod undo_stack;
 mod walls;

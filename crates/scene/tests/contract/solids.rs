@@ -1,0 +1,186 @@
+//! Solids that are cut in flight: pieces keep their shape, motion and momenta.
+
+use incise_cut::{CutParams, Sweep};
+use incise_mesh::{Surface, Vec3, VertexId, icosphere, torus};
+use incise_pbd_gpu::Material;
+use incise_scene::{BodyId, Scene, SceneParams};
+use nalgebra::Matrix3;
+
+const PLANES: [[f64; 3]; 3] = [[1.0, 0.2, 0.1], [0.1, 1.0, 0.3], [-0.2, 0.3, 1.0]];
+
+/// Cuts a body along a plane through the center of its box, and returns how far a vertex jumped
+/// [mean edges] and how much the momenta changed, relative to themselves.
+fn cut(scene: &mut Scene, id: BodyId, normal: [f64; 3]) -> [f64; 2] {
+    let momenta = |scene: &Scene| {
+        let body = scene.body(id).unwrap();
+        let solver = body.solver();
+        let linear = Vec3::from(solver.momentum());
+        (
+            linear,
+            Vec3::from(solver.angular_momentum(body.surface(), [0.0; 3])),
+        )
+    };
+    scene.cut().unwrap();
+    let bounds = scene.body(id).unwrap().surface().bounds();
+    let [low, high] = [bounds.min, bounds.max].map(|p| Vec3::from(p.map(f64::from)));
+    let distance = Vec3::from(normal).dot(&((low + high) / 2.0));
+    let sweep = Sweep::from_plane(normal, distance, &bounds).unwrap();
+    let before = momenta(scene);
+    let mut placed = Vec::new();
+    let outcome = scene.cut_with(id, &sweep, |cutter, surface| {
+        let outcome = cutter.cut(surface, &sweep, &CutParams::default());
+        placed = surface.positions().to_vec();
+        outcome
+    });
+    assert!(!outcome.unwrap().unwrap().is_miss(), "the plane cuts");
+    let after = momenta(scene);
+    let surface = scene.body(id).unwrap().surface();
+    let jump = |v: VertexId| {
+        let [x, y, z, _] = placed[v.index()].map(f64::from);
+        (surface.position(v) - Vec3::new(x, y, z)).norm()
+    };
+    let jump = surface.topology().vertices().map(jump).fold(0.0, f64::max);
+    let changes = [
+        (after.0 - before.0).norm() / before.0.norm(),
+        (after.1 - before.1).norm() / before.1.norm().max(before.0.norm()),
+    ];
+    let edge = surface.mean_edge_length();
+    scene.advance().unwrap();
+    [jump / edge, changes[0].max(changes[1])]
+}
+
+/// Returns the largest root mean square distance of a piece's vertices from their rest positions,
+/// moved rigidly, relative to its diagonal.
+fn deviation(surface: &Surface) -> f64 {
+    let topology = surface.topology();
+    let mut of_pieces: Vec<(u32, VertexId)> = topology
+        .vertices()
+        .map(|v| (surface.piece(topology.outgoing(v).triangle()), v))
+        .collect();
+    of_pieces.sort_unstable();
+    let of_piece = |vertices: &[(u32, VertexId)]| {
+        let count = vertices.len() as f64;
+        let points =
+            || (vertices.iter()).map(|&(_, v)| (surface.rest_position(v), surface.position(v)));
+        let sum = points().fold((Vec3::zeros(), Vec3::zeros()), |s, p| {
+            (s.0 + p.0, s.1 + p.1)
+        });
+        let (rest, center) = (sum.0 / count, sum.1 / count);
+        let covariance: Matrix3<f64> = points()
+            .map(|p| (p.1 - center) * (p.0 - rest).transpose())
+            .sum();
+        let svd = covariance.svd(true, true);
+        let rotation = svd.u.unwrap() * svd.v_t.unwrap();
+        let squares: f64 = points()
+            .map(|p| (rotation * (p.0 - rest) - (p.1 - center)).norm_squared())
+            .sum();
+        let size = points().map(|p| (p.0 - rest).norm()).fold(0.0, f64::max);
+        (squares / count).sqrt() / (2.0 * size)
+    };
+    let pieces = of_pieces.chunk_by(|a, b| a.0 == b.0);
+    pieces.map(of_piece).fold(0.0, f64::max)
+}
+
+#[test]
+fn pieces_of_falling_solids_keep_their_shape_and_motion() {
+    for (body, young_modulus) in [(0, 1e5), (0, 1e6), (1, 1e5), (1, 1e7)] {
+        let surface = match body {
+            0 => icosphere(3, 0.4),
+            _ => torus(0.35, 0.15, 32, 16),
+        };
+        let volume = surface.volume();
+        let mut scene = Scene::new(SceneParams::default());
+        let material = Material::solid(young_modulus, 0.45, 1000.0);
+        let id = scene.add_body(surface, &material).unwrap();
+        for frame in 0..40 {
+            if let Some(&normal) = PLANES.get(frame / 4).filter(|_| frame % 4 == 3) {
+                let [jump, change] = cut(&mut scene, id, normal);
+                assert!(jump < 0.02, "{jump} edges");
+                assert!(change < 1e-4, "momenta change by {change}");
+            } else {
+                scene.step().unwrap();
+            }
+        }
+        let body = scene.body(id).unwrap();
+        assert!(body.pieces().len() >= 8, "{} pieces", body.pieces().len());
+        let deviation = deviation(body.surface());
+        assert!(deviation < 1e-3, "pieces are off by {deviation}");
+        let whole = body.surface().volume();
+        assert!((whole / volume - 1.0).abs() < 1e-3, "{whole} m^3");
+        let speed = 9.81 * 40.0 / 60.0;
+        let mean = Vec3::from(body.solver().momentum()) / body.solver().total_mass();
+        assert!((mean.y + speed).abs() < 1e-3, "{mean:?}");
+    }
+}
+
+#[test]
+fn an_undo_in_place_restores_a_solid() {
+    let mut scene = Scene::new(SceneParams::default());
+    let material = Material::solid(1e5, 0.45, 1000.0);
+    let id = scene.add_body(icosphere(3, 0.4), &material).unwrap();
+    scene.step().unwrap();
+    let before = scene.body(id).unwrap().surface().clone();
+    let bounds = before.bounds();
+    let sweep = Sweep::from_plane([1.0, 0.2, 0.1], 0.02, &bounds).unwrap();
+    let mut outcome = scene
+        .cut_with(id, &sweep, |cutter, surface| {
+            cutter.cut(surface, &sweep, &CutParams::default())
+        })
+        .unwrap()
+        .unwrap();
+    assert_eq!(scene.body(id).unwrap().pieces().len(), 2);
+    let undo = outcome.undo.take().unwrap();
+    scene.undo(id, undo).unwrap();
+    let body = scene.body(id).unwrap();
+    assert_eq!(body.pieces().len(), 1);
+    let lattice = body.solver().lattice().unwrap();
+    assert_eq!(
+        (0..)
+            .take(lattice.cells.len())
+            .filter(|&c| lattice.is_copy(c))
+            .count(),
+        {
+            let params = incise_pbd_gpu::Solver::new(&mut before.clone(), &material).unwrap();
+            params.lattice().unwrap().cells.len()
+        }
+    );
+    let edge = before.mean_edge_length();
+    for v in before.topology().vertices() {
+        let off = (body.surface().position(v) - before.position(v)).norm();
+        assert!(off < 1e-3 * edge, "{v}: {off} m");
+    }
+    for _ in 0..30 {
+        scene.step().unwrap();
+    }
+    let deviation = deviation(scene.body(id).unwrap().surface());
+    assert!(deviation < 1e-4, "{deviation}");
+}
+
+#[cfg(feature = "serde")]
+#[test]
+fn a_loaded_solid_goes_on_with_the_same_bits() {
+    let mut scene = Scene::new(SceneParams::default());
+    let material = Material::solid(1e5, 0.45, 1000.0);
+    let id = scene
+        .add_body(torus(0.35, 0.15, 32, 16), &material)
+        .unwrap();
+    for _ in 0..4 {
+        scene.step().unwrap();
+    }
+    cut(&mut scene, id, PLANES[0]);
+    let saved = scene.save().unwrap();
+    let mut loaded = Scene::load(&saved).unwrap();
+    let again = loaded.bodies().next().unwrap();
+    for scene in [(&mut scene, id), (&mut loaded, again)] {
+        let (scene, id) = scene;
+        cut(scene, id, PLANES[1]);
+        for _ in 0..10 {
+            scene.step().unwrap();
+        }
+    }
+    let bits = |scene: &Scene, id: BodyId| -> Vec<[u32; 4]> {
+        let positions = scene.body(id).unwrap().surface().positions().iter();
+        positions.map(|x| x.map(f32::to_bits)).collect()
+    };
+    assert!(bits(&scene, id) == bits(&loaded, again), "bits differ");
+}
