@@ -2,6 +2,9 @@
 
 #[cfg(feature = "serde")]
 mod load;
+mod work;
+
+pub(crate) use work::ContentWork;
 
 use crate::body::Body;
 use crate::crossings::Crossings;
@@ -391,26 +394,4 @@ fn touch_line(grid: &Grid, lines: &Lines, line: u32, touched: &mut Set) {
 /// Returns a coordinate of a cell in storage.
 fn to_u16(cell: u32) -> u16 {
     u16::try_from(cell).unwrap_or(u16::MAX)
-}
-
-/// Memory that updates of the content reuse.
-#[derive(Debug, Default)]
-pub(crate) struct ContentWork {
-    /// By triangle slot, whether the edit removes it.
-    is_removed: Vec<bool>,
-    /// Cells whose removed triangles are gone.
-    cleared: Set,
-    /// By axis, the lines whose crossings may have changed.
-    changed: [Set; 3],
-}
-
-impl ContentWork {
-    fn prepare(&mut self, grid: &Grid, lines: &[Lines; 3], triangle_slots: usize) {
-        self.cleared.reset(grid.cell_count());
-        self.is_removed
-            .resize(triangle_slots.max(self.is_removed.len()), false);
-        for (changed, lines) in self.changed.iter_mut().zip(lines) {
-            changed.reset(lines.count());
-        }
-    }
 }

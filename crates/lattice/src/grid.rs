@@ -18,7 +18,8 @@ pub(crate) const MARGIN: f64 = 3.0 * ROUNDING;
 
 /// A regular lattice of cubes in rest space.
 ///
-/// It stays where it is. Cuts only change which parts of a body its cells hold.
+/// It stays where it is. Cuts only change which parts of a body its cells hold. With the feature
+/// `serde`, the `finish_load` of its lattice validates it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(from = "SavedGrid", into = "SavedGrid"))]

@@ -51,6 +51,7 @@ pub struct Lattice {
     #[cfg_attr(feature = "serde", serde(skip))]
     pub node_volumes: Vec<f64>,
     /// By vertex slot, its copy, or [`NO_COPY`] for free slots.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub vertex_copies: Vec<u32>,
     /// By vertex slot, the weights of its copy's nodes. They add up to 1.
     #[cfg_attr(feature = "serde", serde(skip))]

@@ -1,7 +1,7 @@
 //! Completes and validates a loaded [`Lattice`].
 //!
-//! Files hold numbers of parts, copies and nodes, which depend on earlier edits, and results of cell
-//! solvers. All else follows from these, the surface and the grid, and is found again.
+//! Files hold the parts of cells, and the numbers of parts, copies and nodes, which depend on
+//! earlier edits. All else follows from these, the surface and the grid, and is found again.
 
 use crate::body::Body;
 use crate::cell::NONE;
@@ -16,8 +16,9 @@ use incise_mesh::{Surface, VertexId};
 /// Maximum number of parts of a cell that no triangle in it bounds, by piece.
 ///
 /// A piece passes through a cell along each of 48 scanlines once. Twice that is never reached.
-const MAX_LINES_PER_PIECE: usize = 96;
+const MAX_SPANS_PER_PIECE: usize = 96;
 
+/// Returns an error of an array.
 fn invalid<T>(array: &'static str) -> Result<T, InvalidLattice> {
     Err(InvalidLattice::Array { array })
 }
@@ -145,32 +146,41 @@ impl Lattice {
         Ok(())
     }
 
-    /// Finds the weights of vertices.
+    /// Finds copies and weights of vertices, from the parts of the cells that hold them.
     fn load_vertices(&mut self, surface: &Surface) -> Result<(), InvalidLattice> {
+        let Self { grid, state, .. } = self;
         let slots = surface.topology().vertex_slots();
-        if self.vertex_copies.len() != slots {
-            return invalid("copies of vertices");
-        }
-        self.vertex_copies.reserve(slots / 4);
+        // With room for the vertices of cuts, as in a lattice that was built.
+        self.vertex_copies.clear();
+        self.vertex_copies.reserve(slots + slots / 4);
+        self.vertex_copies.resize(slots, NONE);
         self.vertex_weights.clear();
         self.vertex_weights.reserve(slots + slots / 4);
-        for (v, &copy) in (0..).map(VertexId).zip(&self.vertex_copies) {
+        let cell_of = |v: VertexId| grid.index(grid.cell_at(surface.rest_position(v)));
+        for (&cell, divided) in &state.divided {
+            for &(v, part) in &divided.vertices {
+                let copy = &mut self.vertex_copies[v.index()];
+                if *copy != NONE || cell_of(v) != cell {
+                    return invalid("vertices in cells with several parts");
+                }
+                *copy = state.parts.carrying_copy(part);
+            }
+        }
+        for (v, copy) in (0..).map(VertexId).zip(&mut self.vertex_copies) {
             let mut weights = [0.0; 8];
             if is_used(surface, v) {
-                let Some(&cell) = self.cells.get(copy as usize).filter(|&&cell| cell != NONE)
-                else {
-                    return invalid("copies of vertices");
-                };
-                let place = surface.rest_position(v);
-                weights = self
-                    .grid
-                    .weights(self.grid.cell(cell), place)
-                    .map(to_weight);
-                if !weights.iter().all(|weight| weight.is_finite()) {
-                    return invalid("copies of vertices");
+                if *copy == NONE {
+                    let mut parts = state.parts.of_cell(cell_of(v));
+                    let (Some(part), None) = (parts.next(), parts.next()) else {
+                        return invalid("parts with vertices");
+                    };
+                    *copy = state.parts.carrying_copy(part);
                 }
-            } else if copy != NONE {
-                return invalid("copies of vertices");
+                let cell = grid.cell(self.cells[*copy as usize]);
+                weights = grid.weights(cell, surface.rest_position(v)).map(to_weight);
+                if !weights.iter().all(|weight| weight.is_finite()) {
+                    return invalid("parts with vertices");
+                }
             }
             self.vertex_weights.push(weights);
         }
@@ -183,7 +193,7 @@ impl State {
     fn check_cells(&self, surface: &Surface, order: &[u32]) -> Result<(), InvalidLattice> {
         let parts = &self.parts;
         let cell_of = |part: u32| parts.get(part).cell;
-        let spans = MAX_LINES_PER_PIECE * (surface.piece_count() + 1);
+        let spans = MAX_SPANS_PER_PIECE * (surface.piece_count() + 1);
         let mut divided = self.divided.iter();
         for own in order.chunk_by(|&a, &b| cell_of(a) == cell_of(b)) {
             let cell = cell_of(own[0]);
