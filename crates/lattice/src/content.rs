@@ -57,6 +57,7 @@ pub(crate) struct Content {
     ///
     /// Of triangles that are connected in the cell, the first one, and its piece when the cell was
     /// solved.
+    #[cfg_attr(feature = "serde", serde(with = "crate::pairs"))]
     pub(crate) witnesses: BTreeMap<u32, Vec<(TriangleId, u32)>>,
 }
 

@@ -66,6 +66,7 @@ pub(crate) struct State {
     pub(crate) content: Content,
     pub(crate) parts: Parts,
     /// Cells with several parts.
+    #[cfg_attr(feature = "serde", serde(with = "crate::pairs"))]
     pub(crate) divided: BTreeMap<u32, Divided>,
     /// By copy, the shares of its corners in its volume \[m³\].
     #[cfg_attr(feature = "serde", serde(skip))]

@@ -19,6 +19,8 @@ mod load;
 mod measures;
 mod nodes;
 mod overlap;
+#[cfg(feature = "serde")]
+mod pairs;
 mod params;
 mod parts;
 mod projection;

@@ -19,7 +19,7 @@ use std::fmt;
 use std::ops::Range;
 
 /// The version of the layout of files. [`read_archive`] refuses every other one.
-pub const FORMAT_VERSION: u32 = 8;
+pub const FORMAT_VERSION: u32 = 9;
 
 const MAGIC: [u8; 8] = *b"\x89incise\n";
 const HEADER: usize = 32;

@@ -7,6 +7,7 @@
 mod layout;
 mod scenes;
 
+use crate::solids::cut_solid;
 use incise_mesh::{ArchiveError, FORMAT_VERSION, Surface, icosphere};
 use incise_pbd_gpu::{Integrator, Material, PatchParams, Scheme, Solver, SolverParams, Stiffness};
 use incise_scene::{LoadError, SaveError, Scene, SceneError, SceneParams};
@@ -141,7 +142,7 @@ fn sample_layouts() -> Lines {
         .flatten()
         .map(hanging);
     let mut lines: Lines = hanging
-        .chain([overlapping()])
+        .chain([overlapping(), cut_solid()])
         .flat_map(|scene| layout(&scene))
         .collect();
     let mut scene = busy([1, 1, 1], &SMALL_PATCHES);
@@ -176,10 +177,10 @@ fn headers_are_checked() {
     let error = |error: ArchiveError| Some(LoadError::Archive(error));
     assert_eq!(with(0, 0), error(ArchiveError::UnknownFormat));
     assert_eq!(Scene::load(&[]).err(), error(ArchiveError::UnknownFormat));
-    let other = with(12, 9).map(|error| error.to_string());
+    let other = with(12, 99).map(|error| error.to_string());
     let (version, program) = (FORMAT_VERSION, env!("CARGO_PKG_VERSION"));
     let expected = format!(
-        "the file has format version 9 and this program reads version {version}; load it with \
+        "the file has format version 99 and this program reads version {version}; load it with \
          incise {program}, which wrote it"
     );
     assert_eq!(other, Some(expected));

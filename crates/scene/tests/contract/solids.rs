@@ -156,9 +156,9 @@ fn an_undo_in_place_restores_a_solid() {
     assert!(deviation < 1e-4, "{deviation}");
 }
 
+/// Returns a scene of a solid that was cut in flight.
 #[cfg(feature = "serde")]
-#[test]
-fn a_loaded_solid_goes_on_with_the_same_bits() {
+pub(crate) fn cut_solid() -> Scene {
     let mut scene = Scene::new(SceneParams::default());
     let material = Material::solid(1e5, 0.45, 1000.0);
     let id = scene
@@ -168,6 +168,14 @@ fn a_loaded_solid_goes_on_with_the_same_bits() {
         scene.step().unwrap();
     }
     cut(&mut scene, id, PLANES[0]);
+    scene
+}
+
+#[cfg(feature = "serde")]
+#[test]
+fn a_loaded_solid_goes_on_with_the_same_bits() {
+    let mut scene = cut_solid();
+    let id = scene.bodies().next().unwrap();
     let saved = scene.save().unwrap();
     let mut loaded = Scene::load(&saved).unwrap();
     let again = loaded.bodies().next().unwrap();
