@@ -1,8 +1,8 @@
 //! Small parts that belong to a neighbor.
 //!
 //! They are settled cluster by cluster. A cluster is a set of small parts that meet in faces. It
-//! depends on its own parts, on the large ones beside them, and on which of those meet each other or
-//! a common large part. So an edit concerns clusters up to two parts away.
+//! depends on its own parts, on the large ones beside them, and on which of those meet each other
+//! or a common large part. So an edit concerns clusters up to two parts away.
 
 use crate::cell::NONE;
 use crate::parts::Parts;

@@ -112,8 +112,8 @@ impl FollowState {
         (before..slots).for_each(|i| self.log.mark_vertex(VertexId::from_index(i)));
     }
 
-    /// Updates velocities, pins and masses of the vertices of a solid after a checked edit, given its
-    /// mass per area [kg/m^2].
+    /// Updates velocities, pins and masses of the vertices of a solid after a checked edit, given
+    /// its mass per area [kg/m^2].
     #[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
     pub(crate) fn apply_solid_delta(
         &mut self,

@@ -10,8 +10,8 @@ const MAX_STEPS: usize = 16;
 
 /// Distance from the target at which Newton's method ends [cells].
 ///
-/// The two walls of an incision coincide, and must do so at rest. They start from different guesses,
-/// and rounding to 24 bits makes them equal if both have converged to many more digits.
+/// The two walls of an incision coincide, and must do so at rest. They start from different
+/// guesses. Rounding to 24 bits makes them equal if both have converged to many more digits.
 const CONVERGED: f64 = 1e-12;
 
 /// Distance beyond its cell up to which a point is in it [cells].

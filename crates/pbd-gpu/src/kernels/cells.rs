@@ -8,9 +8,9 @@
 //! exact. Hourglass modes follow, with the strain solved.
 //!
 //! **Repeated forces.** The prediction of a substep repeats the forces of the last one, see
-//! [`super::predict`], up to [`RESOLVED`]. Rows solve for their change. So one projection of each cell is in
-//! equilibrium at rest, and a spinning body keeps its angular momentum: a force at the positions
-//! where it was found exerts no torque.
+//! [`super::predict`], up to [`RESOLVED`]. Rows solve for their change. So one projection of each
+//! cell is in equilibrium at rest, and a spinning body keeps its angular momentum: a force at the
+//! positions where it was found exerts no torque.
 //!
 //! **Viscosity.** A row of stiffness `k`, force `f` and inverse mass `w`, of which the share `s` is
 //! repeated, changes its force by `-(k C + f + k w (1 - s) f) / (1 + (1 + t / h) k w)`. The nodes

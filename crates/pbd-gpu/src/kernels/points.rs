@@ -184,7 +184,7 @@ pub(crate) struct Near {
 
 /// Pushes vertices out of colliders at a time of the frame; returns whether one was inside.
 ///
-/// A push is the smallest motion of the nodes, by their masses, that moves its vertex out. So pushes
+/// A push is the smallest motion of the nodes, by their masses, that moves its vertex out. Pushes
 /// never move nodes away from where all vertices are out, in whatever order they come. A depth that
 /// a vertex had before the substep shrinks by [`RECOVERY_SPEED`].
 #[inline(never)]

@@ -6,7 +6,8 @@ use crate::kernels::cells::{CellConstants, Lane, project};
 use crate::kernels::particle_state::ParticleStates;
 use std::cell::Cell;
 
-/// The projection of blocks of cells, compiled for the instruction set that is detected at run time.
+/// The projection of blocks of cells, compiled for the instruction set that is detected at run
+/// time.
 pub(crate) struct CellSweep<'a> {
     pub(crate) particles: ParticleStates<'a>,
     /// Displacements that the next prediction repeats, shape \[nodes\].
