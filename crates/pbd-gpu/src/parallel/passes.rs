@@ -79,7 +79,7 @@ pub(crate) fn sweep_cells(
     constants: &CellConstants,
 ) {
     let (count, blocks) = (batch.len(), batch.blocks.len());
-    let size = if leader.members() == 1 || !is_shared(count * CELL_WORK) {
+    let size = if leader.members() == 1 || !are_cells_shared(count) {
         blocks.max(1)
     } else {
         blocks.div_ceil(leader.members() * CHUNKS_PER_MEMBER)
@@ -258,6 +258,11 @@ fn chunk_size(count: usize, members: usize) -> usize {
     }
     let even = count.div_ceil(members * CHUNKS_PER_MEMBER);
     even.next_multiple_of(CHUNK_STEP)
+}
+
+/// Returns whether several threads project that many cells of a color.
+pub(crate) fn are_cells_shared(count: usize) -> bool {
+    is_shared(count * CELL_WORK)
 }
 
 /// Returns whether several threads run a pass of that many elements.

@@ -7,7 +7,7 @@ use crate::constraints::batches::{Batch, BendingSet, StretchSet};
 use crate::kernels::particle_state::ParticleStates;
 use crate::kernels::volume::{Round, VolumeScratch};
 use crate::parallel::Leader;
-use crate::parallel::passes::is_shared;
+use crate::parallel::passes::{are_cells_shared, is_shared};
 use crate::solver::Solver;
 use crate::step::body::Body;
 use crate::step::body_step::BodyStep;
@@ -67,7 +67,13 @@ fn has_shared_pass(body: &Body<'_>) -> bool {
     let edges = edges.into_iter().flatten().flat_map(StretchSet::batches);
     let bending = body.bending.as_deref().map_or(&[][..], BendingSet::batches);
     let counts = edges.map(Batch::len).chain(bending.iter().map(Batch::len));
-    body.patches.are_shared() || counts.chain([body.volumes.spokes.len()]).any(is_shared)
+    let cells = body
+        .solid
+        .as_ref()
+        .map_or(&[][..], |solid| solid.cells.batches());
+    body.patches.are_shared()
+        || counts.chain([body.volumes.spokes.len()]).any(is_shared)
+        || cells.iter().any(|batch| are_cells_shared(batch.len()))
 }
 
 /// The passes of a plan in an open interval between two passes, in one substep.
