@@ -129,7 +129,7 @@ fn push_out(
 /// Moves a displacement out by `depth` and applies friction to its tangential part, relative to
 /// the displacement of the collider.
 #[inline(always)]
-pub(super) fn push(
+fn push(
     d: &mut [f32; 4],
     held: &mut f32,
     n: [f32; 3],

@@ -4,7 +4,7 @@
 //! impulse, and the vertex by `sum of b^2 w` of it. Contacts between vertices take the inverse mass
 //! `(sum of b sqrt(w))^2` instead, which bounds the motion of every vertex that the push moves.
 
-use super::colliders::{ColliderPass, push, separation, touches};
+use super::colliders::{ColliderPass, dot, separation};
 use super::particle_state::{ParticleState, ParticleStates};
 use crate::constraints::colliders::ColliderRecord;
 use crate::particles::Pin;
@@ -16,15 +16,15 @@ use incise_lattice::Lattice;
 /// give its speed to the body: 1 m/s is that of a fall by 5 cm.
 const RECOVERY_SPEED: f32 = 1.0;
 
-/// Maximum number of symmetric sweeps over pins per pass.
+/// Maximum number of symmetric sweeps over pins, or over vertices at a collider, per pass.
 ///
 /// Each one leaves a tenth to a third of what the pins of a face are off.
-const PIN_SWEEPS: usize = 16;
+const SWEEPS: usize = 16;
 
-/// Distance of pins from their targets at which the sweeps of a pass end [cells].
+/// Largest push of a sweep after which the sweeps of a pass end [cells].
 ///
 /// At a clamp of two cells it turns a beam by 1e-4 rad.
-const PIN_TOLERANCE: f32 = 1e-4;
+const TOLERANCE: f32 = 1e-4;
 
 /// The vertices of a solid during a substep.
 #[derive(Debug, Clone, Copy)]
@@ -126,9 +126,9 @@ impl Points<'_> {
 #[inline(always)]
 pub(crate) fn pins(points: Points<'_>, pins: &[Pin], starts: &[[f32; 3]], [left, count]: [u32; 2]) {
     let rest = (left - 1) as f32 / count as f32;
-    let tolerance = PIN_TOLERANCE * points.cell_size;
+    let tolerance = TOLERANCE * points.cell_size;
     let there = pins.iter().zip(starts);
-    for _ in 0..PIN_SWEEPS {
+    for _ in 0..SWEEPS {
         let mut largest = 0.0;
         for (pin, start) in there.clone().chain(there.clone().rev()) {
             let slot = pin.vertex.index();
@@ -169,7 +169,11 @@ pub(crate) fn find_near(
         };
         if x[3] > 0.0 && colliders.iter().any(is_near) {
             let slot = incise_mesh::index_u32(slot);
-            near.push(Near { slot, held: 0.0 });
+            near.push(Near {
+                slot,
+                normal: 0.0,
+                tangent: [0.0; 3],
+            });
         }
     }
 }
@@ -178,15 +182,18 @@ pub(crate) fn find_near(
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Near {
     slot: u32,
-    /// Remaining friction bound of the substep \[m\].
-    held: f32,
+    /// Sum of the pushes along the normal, an impulse times the substep [kg m].
+    normal: f32,
+    /// Sum of the pushes by friction, an impulse times the substep [kg m].
+    tangent: [f32; 3],
 }
 
 /// Pushes vertices out of colliders at a time of the frame; returns whether one was inside.
 ///
-/// A push is the smallest motion of the nodes, by their masses, that moves its vertex out. Pushes
-/// never move nodes away from where all vertices are out, in whatever order they come. A depth that
-/// a vertex had before the substep shrinks by [`RECOVERY_SPEED`].
+/// A push moves the nodes by as little as possible, by their masses. Neighbors share nodes, so the
+/// sums of the pushes are limited: along the normal they are not negative, and friction is at most
+/// the coefficient times them (projected Gauss-Seidel). A later push may take back an earlier one.
+/// A depth that a vertex had before the substep shrinks by [`RECOVERY_SPEED`].
 #[inline(never)]
 pub(crate) fn colliders(
     points: Points<'_>,
@@ -195,31 +202,79 @@ pub(crate) fn colliders(
     pass: ColliderPass,
 ) -> bool {
     let mut has_pushed = false;
-    near.iter_mut().for_each(|near| near.held = 0.0);
+    let tolerance = TOLERANCE * points.cell_size;
     for c in colliders {
-        let [origin, before] = [pass.time, pass.time - pass.h].map(|time| c.origin_at(time));
-        let dragged = c.velocity.map(|c| c * pass.h);
-        for Near { slot, held } in &mut *near {
-            let slot = *slot as usize;
-            let ParticleState { x, mut d } = points.state(slot);
-            let q = [0, 1, 2].map(|k: usize| x[k] - origin[k]);
-            let (distance, n) = separation(q, [d[0], d[1], d[2]], c);
-            let w = points.response(slot);
-            if !(touches(distance, q) && w > 0.0 && (distance < 0.0 || *held > 0.0)) {
-                continue;
+        let frame = ColliderFrame::new(c, pass);
+        for near in &mut *near {
+            (near.normal, near.tangent) = (0.0, [0.0; 3]);
+        }
+        for _ in 0..SWEEPS {
+            let mut largest = 0.0;
+            let mut push = |near: &mut Near| {
+                let size = frame.push(points, near);
+                has_pushed |= near.normal > 0.0;
+                largest = if size > largest { size } else { largest };
+            };
+            near.iter_mut().for_each(&mut push);
+            near.iter_mut().rev().for_each(&mut push);
+            if largest <= tolerance {
+                break;
             }
-            let q = [0, 1, 2].map(|k: usize| x[k] - before[k]);
-            let (start, _) = separation(q, [0.0; 3], c);
-            let old = if start < 0.0 { -start } else { 0.0 };
-            let left = old - RECOVERY_SPEED * pass.h;
-            let left = if left > 0.0 { left } else { 0.0 };
-            let depth = -distance - left;
-            let depth = if depth > 0.0 { depth } else { 0.0 };
-            let from = d;
-            push(&mut d, held, n, depth, pass.friction, dragged);
-            points.push(slot, [0, 1, 2].map(|k: usize| (d[k] - from[k]) / w));
-            has_pushed |= depth > 0.0;
         }
     }
     has_pushed
+}
+
+/// A collider in a pass.
+struct ColliderFrame<'a> {
+    collider: &'a ColliderRecord,
+    pass: ColliderPass,
+    /// Origins now and before the substep \[m\].
+    origins: [[f32; 3]; 2],
+    /// Displacement of the collider in the substep \[m\].
+    dragged: [f32; 3],
+}
+
+impl<'a> ColliderFrame<'a> {
+    fn new(collider: &'a ColliderRecord, pass: ColliderPass) -> Self {
+        let origins = [pass.time, pass.time - pass.h].map(|time| collider.origin_at(time));
+        let dragged = collider.velocity.map(|c| c * pass.h);
+        Self {
+            collider,
+            pass,
+            origins,
+            dragged,
+        }
+    }
+
+    /// Solves the contact of one vertex; returns by how much it moves along the axes in all \[m\].
+    #[inline(always)]
+    fn push(&self, points: Points<'_>, near: &mut Near) -> f32 {
+        let slot = near.slot as usize;
+        let ParticleState { x, d, .. } = points.state(slot);
+        let [q, before] = self.origins.map(|o| [0, 1, 2].map(|k: usize| x[k] - o[k]));
+        let (distance, n) = separation(q, [d[0], d[1], d[2]], self.collider);
+        let is_touching = near.normal > 0.0 || distance < 0.0;
+        let w = points.response(slot);
+        if !(is_touching && w > 0.0) {
+            return 0.0;
+        }
+        let (start, _) = separation(before, [0.0; 3], self.collider);
+        let left = -start - RECOVERY_SPEED * self.pass.h;
+        let left = if left > 0.0 { left } else { 0.0 };
+        let normal = near.normal - (distance + left) / w;
+        let normal = if normal > 0.0 { normal } else { 0.0 };
+        let relative = [0, 1, 2].map(|k: usize| d[k] - self.dragged[k]);
+        let along = dot(relative, n);
+        let held = [0, 1, 2].map(|k: usize| near.tangent[k] - (relative[k] - along * n[k]) / w);
+        let limit = self.pass.friction * normal;
+        let length = dot(held, held).sqrt();
+        let share = if length > limit { limit / length } else { 1.0 };
+        let tangent = held.map(|c| share * c);
+        let by = normal - near.normal;
+        let push = [0, 1, 2].map(|k: usize| by * n[k] + (tangent[k] - near.tangent[k]));
+        points.push(slot, push);
+        (near.normal, near.tangent) = (normal, tangent);
+        w * ((push[0].abs() + push[1].abs()) + push[2].abs())
+    }
 }

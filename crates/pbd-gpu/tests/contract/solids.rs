@@ -285,6 +285,33 @@ fn a_dropped_body_lies_on_the_ground_with_its_volume() {
 }
 
 #[test]
+fn a_block_rests_on_the_ground_at_any_friction() {
+    for (friction, across) in [(0.5, 8), (2.0, 1), (2.0, 4), (5.0, 8)] {
+        let mut surface = cuboid([0.4; 3], [12; 3]);
+        let mut material = Material {
+            friction,
+            ..solid(1e6, 0.45, None)
+        };
+        material.solid.as_mut().unwrap().cells_across = across;
+        let mut solver = Solver::new(&mut surface, &material).unwrap();
+        set_ground(&mut solver, -0.41);
+        // Without the limits of energy and momenta, friction itself must not add any.
+        let params = SolverParams {
+            conserve: false,
+            ..WEIGHTY
+        };
+        for _ in 0..300 {
+            solver.step(&mut surface, DT, &params).unwrap();
+        }
+        let speed = max_speed(&solver);
+        assert!(speed < 1e-3, "{speed} m/s at friction {friction}");
+        // Under its own weight a uniform block holds `(rho g L)^2 V / 6 E` at most.
+        let energy = solver.elastic_energy();
+        assert!(energy < 5.3, "{energy} J at friction {friction}");
+    }
+}
+
+#[test]
 fn pins_hold_and_move() {
     let mut surface = cuboid([0.5, 0.1, 0.1], [10, 2, 2]);
     let mut solver = Solver::new(&mut surface, &solid(1e6, 0.4, Some(0.1))).unwrap();
