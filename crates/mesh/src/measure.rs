@@ -1,7 +1,7 @@
 //! Area, volume and mean edge of a surface, summed in 64 bits.
 
 use crate::geometry::{Vec3, area_vector};
-use crate::ids::TriangleId;
+use crate::ids::{TriangleId, VertexId};
 use crate::surface::Surface;
 
 impl Surface {
@@ -86,11 +86,20 @@ impl Surface {
     /// Returns the mean edge length \[m\]; 0 without edges.
     #[must_use]
     pub fn mean_edge_length(&self) -> f64 {
+        self.mean_length(|v| self.position(v))
+    }
+
+    /// Returns the mean rest length of edges \[m\]; 0 without edges.
+    #[must_use]
+    pub fn mean_rest_edge_length(&self) -> f64 {
+        self.mean_length(|v| self.rest_position(v))
+    }
+
+    fn mean_length(&self, position: impl Fn(VertexId) -> Vec3) -> f64 {
         let (mut sum, mut count) = (0.0, 0.0);
         for h in self.topology().edges() {
-            sum += (self.position(self.topology().origin(h))
-                - self.position(self.topology().target(h)))
-            .norm();
+            let ends = [self.topology().origin(h), self.topology().target(h)];
+            sum += (position(ends[0]) - position(ends[1])).norm();
             count += 1.0;
         }
         if count > 0.0 { sum / count } else { 0.0 }

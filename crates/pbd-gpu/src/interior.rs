@@ -55,6 +55,9 @@ pub(crate) struct Interior {
     area_density: f64,
     /// Volume of the surface by that of the scanlines.
     volume_scale: f64,
+    /// Mean rest length of the edges of the surface \[m\].
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(crate) mean_rest_length: f64,
     #[cfg_attr(feature = "serde", serde(skip))]
     scratch: EditScratch,
     /// Coefficients of the last frame.
@@ -103,6 +106,7 @@ impl Interior {
             near: Vec::new(),
             area_density: mass / surface.lumped_rest_areas().iter().sum::<f64>(),
             volume_scale: 1.0,
+            mean_rest_length: surface.mean_rest_edge_length(),
             scratch: EditScratch::default(),
             constants: CellConstants::NONE,
             mean_stiff: 0.0,

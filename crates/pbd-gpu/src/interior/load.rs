@@ -42,6 +42,7 @@ impl Interior {
         let positions = &self.positions;
         let inverse_mass = |node: VertexId| positions[node.index()][3];
         let size = self.lattice.grid.cell_size();
+        self.mean_rest_length = surface.mean_rest_edge_length();
         self.node_forces = vec![[0.0; 4]; nodes];
         self.mean_stiff = self.cells.set_weights(inverse_mass, |_| true, size);
         let slots = 0..surface.positions().len();

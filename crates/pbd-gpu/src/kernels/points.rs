@@ -16,15 +16,15 @@ use incise_lattice::Lattice;
 /// give its speed to the body: 1 m/s is that of a fall by 5 cm.
 const RECOVERY_SPEED: f32 = 1.0;
 
-/// Maximum number of symmetric sweeps over pins, or over vertices at a collider, per pass.
+/// Maximum number of symmetric sweeps over pins per pass.
 ///
 /// Each one leaves a tenth to a third of what the pins of a face are off.
-const SWEEPS: usize = 16;
+const PIN_SWEEPS: usize = 16;
 
-/// Largest push of a sweep after which the sweeps of a pass end [cells].
+/// Distance of pins from their targets at which the sweeps of a pass end [cells].
 ///
 /// At a clamp of two cells it turns a beam by 1e-4 rad.
-const TOLERANCE: f32 = 1e-4;
+const PIN_TOLERANCE: f32 = 1e-4;
 
 /// The vertices of a solid during a substep.
 #[derive(Debug, Clone, Copy)]
@@ -126,9 +126,9 @@ impl Points<'_> {
 #[inline(always)]
 pub(crate) fn pins(points: Points<'_>, pins: &[Pin], starts: &[[f32; 3]], [left, count]: [u32; 2]) {
     let rest = (left - 1) as f32 / count as f32;
-    let tolerance = TOLERANCE * points.cell_size;
+    let tolerance = PIN_TOLERANCE * points.cell_size;
     let there = pins.iter().zip(starts);
-    for _ in 0..SWEEPS {
+    for _ in 0..PIN_SWEEPS {
         let mut largest = 0.0;
         for (pin, start) in there.clone().chain(there.clone().rev()) {
             let slot = pin.vertex.index();
@@ -192,7 +192,8 @@ pub(crate) struct Near {
 ///
 /// A push moves the nodes by as little as possible, by their masses. Neighbors share nodes, so the
 /// sums of the pushes are limited: along the normal they are not negative, and friction is at most
-/// the coefficient times them (projected Gauss-Seidel). A later push may take back an earlier one.
+/// the coefficient times them (projected Gauss-Seidel). A later push may take back an earlier one,
+/// in one symmetric sweep.
 /// A depth that a vertex had before the substep shrinks by [`RECOVERY_SPEED`].
 #[inline(never)]
 pub(crate) fn colliders(
@@ -202,25 +203,14 @@ pub(crate) fn colliders(
     pass: ColliderPass,
 ) -> bool {
     let mut has_pushed = false;
-    let tolerance = TOLERANCE * points.cell_size;
     for c in colliders {
         let frame = ColliderFrame::new(c, pass);
         for near in &mut *near {
             (near.normal, near.tangent) = (0.0, [0.0; 3]);
         }
-        for _ in 0..SWEEPS {
-            let mut largest = 0.0;
-            let mut push = |near: &mut Near| {
-                let size = frame.push(points, near);
-                has_pushed |= near.normal > 0.0;
-                largest = if size > largest { size } else { largest };
-            };
-            near.iter_mut().for_each(&mut push);
-            near.iter_mut().rev().for_each(&mut push);
-            if largest <= tolerance {
-                break;
-            }
-        }
+        let mut push = |near: &mut Near| has_pushed |= frame.push(points, near);
+        near.iter_mut().for_each(&mut push);
+        near.iter_mut().rev().for_each(&mut push);
     }
     has_pushed
 }
@@ -247,9 +237,9 @@ impl<'a> ColliderFrame<'a> {
         }
     }
 
-    /// Solves the contact of one vertex; returns by how much it moves along the axes in all \[m\].
+    /// Solves the contact of one vertex; returns whether it presses on the collider.
     #[inline(always)]
-    fn push(&self, points: Points<'_>, near: &mut Near) -> f32 {
+    fn push(&self, points: Points<'_>, near: &mut Near) -> bool {
         let slot = near.slot as usize;
         let ParticleState { x, d, .. } = points.state(slot);
         let [q, before] = self.origins.map(|o| [0, 1, 2].map(|k: usize| x[k] - o[k]));
@@ -257,7 +247,7 @@ impl<'a> ColliderFrame<'a> {
         let is_touching = near.normal > 0.0 || distance < 0.0;
         let w = points.response(slot);
         if !(is_touching && w > 0.0) {
-            return 0.0;
+            return false;
         }
         let (start, _) = separation(before, [0.0; 3], self.collider);
         let left = -start - RECOVERY_SPEED * self.pass.h;
@@ -275,6 +265,6 @@ impl<'a> ColliderFrame<'a> {
         let push = [0, 1, 2].map(|k: usize| by * n[k] + (tangent[k] - near.tangent[k]));
         points.push(slot, push);
         (near.normal, near.tangent) = (normal, tangent);
-        w * ((push[0].abs() + push[1].abs()) + push[2].abs())
+        normal > 0.0
     }
 }

@@ -267,6 +267,9 @@ impl Solver {
     /// Returns the mean rest length of edges \[m\], or 0 without edges. O(n).
     #[must_use]
     pub fn mean_rest_length(&self) -> f64 {
+        if let Some(interior) = &self.constraints.interior {
+            return interior.mean_rest_length;
+        }
         let lengths = self
             .constraints
             .stretch

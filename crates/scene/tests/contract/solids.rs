@@ -1,8 +1,8 @@
 //! Solids that are cut in flight: pieces keep their shape, motion and momenta.
 
 use incise_cut::{CutParams, Sweep};
-use incise_mesh::{Surface, Vec3, VertexId, icosphere, torus};
-use incise_pbd_gpu::Material;
+use incise_mesh::{Surface, Vec3, VertexId, cuboid, icosphere, torus};
+use incise_pbd_gpu::{Collider, Material};
 use incise_scene::{BodyId, Scene, SceneParams};
 use nalgebra::Matrix3;
 
@@ -154,6 +154,30 @@ fn an_undo_in_place_restores_a_solid() {
     }
     let deviation = deviation(scene.body(id).unwrap().surface());
     assert!(deviation < 1e-4, "{deviation}");
+}
+
+#[test]
+fn a_resting_solid_sleeps_by_the_length_of_its_edges() {
+    let mut scene = Scene::new(SceneParams::default());
+    scene.colliders.push(Collider::ground(-0.41));
+    let surface = cuboid([0.4; 3], [12; 3]);
+    let edge = surface.mean_edge_length();
+    let material = Material::solid(1e6, 0.45, 1000.0);
+    let id = scene.add_body(surface, &material).unwrap();
+    let length = scene.body(id).unwrap().solver().mean_rest_length();
+    assert!((length / edge - 1.0).abs() < 1e-6, "{length} m");
+    let sleeps = (0..300).any(|_| {
+        scene.step().unwrap();
+        scene.is_asleep(id).unwrap()
+    });
+    assert!(sleeps, "a block at rest is awake after 5 s");
+    cut(&mut scene, id, PLANES[0]);
+    let body = scene.body(id).unwrap();
+    let (length, edge) = (
+        body.solver().mean_rest_length(),
+        body.surface().mean_rest_edge_length(),
+    );
+    assert!((length / edge - 1.0).abs() < 1e-6, "{length} m of {edge} m");
 }
 
 /// Returns a scene of a solid that was cut in flight.
