@@ -1,6 +1,6 @@
-//! Small closed surfaces made of spheres.
+//! Small closed surfaces made of spheres, and surfaces at rest elsewhere.
 
-use incise_mesh::{EdgeKey, Surface, index_u32};
+use incise_mesh::{EdgeKey, Surface, Vec3, index_u32};
 use std::collections::HashMap;
 
 /// Returns a unit sphere around `center`: an octahedron subdivided `levels` times.
@@ -15,10 +15,18 @@ pub fn sphere(levels: u32, center: [f32; 3]) -> Surface {
 
 /// Returns a surface whose sides are scaled by three factors, at rest.
 #[must_use]
-pub fn scaled(mut surface: Surface, factors: [f32; 3]) -> Surface {
+pub fn scaled(surface: Surface, factors: [f32; 3]) -> Surface {
+    let factors = Vec3::from(factors.map(f64::from));
+    at_rest(surface, |p| p.component_mul(&factors))
+}
+
+/// Returns a surface whose vertices rest where `place` puts them.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
+pub fn at_rest(mut surface: Surface, place: impl Fn(Vec3) -> Vec3) -> Surface {
     for v in 0..surface.positions().len() {
-        let rest = surface.rest_positions()[v];
-        let rest = [0, 1, 2].map(|k| rest[k] * factors[k]);
+        let rest = Vec3::from(surface.rest_positions()[v].map(f64::from));
+        let rest = <[f64; 3]>::from(place(rest)).map(|c| c as f32);
         surface.rest_positions_mut()[v] = rest;
         surface.positions_mut()[v][..3].copy_from_slice(&rest);
     }

@@ -17,10 +17,11 @@ pub(crate) type NodeId = VertexId;
 /// Cells per block: the lanes of the widest instructions.
 pub(crate) const CELLS_PER_BLOCK: usize = 8;
 
-/// Least share of a full cell by which a part is stiff, and by which its hourglass modes are.
+/// Least stiffness of a part, and of each of its hourglass modes, relative to a full cell.
 ///
 /// Masses of nodes have the same floor. So the ratio of stiffness to mass, which a substep must
-/// resolve, grows by no more than its inverse in the smallest parts.
+/// resolve, grows by no more than its inverse in the smallest parts. Nor does it fall: nodes at
+/// which a sliver has hardly any volume would swing freely for seconds, and keep the body awake.
 pub(crate) const MIN_FRACTION: f64 = 0.03;
 
 /// A number of each cell of a block.
@@ -36,7 +37,8 @@ pub(crate) struct CellBlock {
     pub(crate) center: [Row; 3],
     /// Volume of the part \[cells\], at least [`MIN_FRACTION`].
     pub(crate) fraction: Row,
-    /// Second moments that resist each hourglass mode, relative to those of a full cell.
+    /// Second moments that resist each hourglass mode, relative to those of a full cell by volume;
+    /// times the fraction at least [`MIN_FRACTION`].
     pub(crate) bending: [Row; 4],
     /// Bound of the inverse mass of a row of the strain [1/(kg m²)].
     pub(crate) strain_weight: Row,
@@ -381,9 +383,10 @@ fn set_shape(block: &mut CellBlock, lane: usize, moments: &Moments) {
         (z + x) / 2.0,
         (x + y + z) / 3.0,
     ];
-    block.fraction[lane] = moments.fraction.clamp(MIN_FRACTION, 1.0) as f32;
+    let fraction = moments.fraction.clamp(MIN_FRACTION, 1.0);
+    block.fraction[lane] = fraction as f32;
     set_row(&mut block.center, lane, moments.center.map(|c| c as f32));
-    let bending = bending.map(|b| b.max(MIN_FRACTION) as f32);
+    let bending = bending.map(|b| b.max(MIN_FRACTION / fraction) as f32);
     set_row(&mut block.bending, lane, bending);
 }
 

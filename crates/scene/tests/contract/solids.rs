@@ -4,7 +4,9 @@ use incise_cut::{CutParams, Sweep};
 use incise_mesh::{Surface, Vec3, VertexId, cuboid, icosphere, torus};
 use incise_pbd_gpu::{Collider, Material};
 use incise_scene::{BodyId, Scene, SceneParams};
-use nalgebra::Matrix3;
+use incise_test_support::random::Random;
+use incise_test_support::surfaces::at_rest;
+use nalgebra::{Matrix3, Rotation3};
 
 const PLANES: [[f64; 3]; 3] = [[1.0, 0.2, 0.1], [0.1, 1.0, 0.3], [-0.2, 0.3, 1.0]];
 
@@ -178,6 +180,25 @@ fn a_resting_solid_sleeps_by_the_length_of_its_edges() {
         body.surface().mean_rest_edge_length(),
     );
     assert!((length / edge - 1.0).abs() < 1e-6, "{length} m of {edge} m");
+}
+
+#[test]
+fn cubes_fall_asleep_however_they_lie_in_their_lattices() {
+    for seed in 0..6 {
+        let mut random = Random::new(seed);
+        let turn = Rotation3::new(Vec3::from_fn(|_, _| 3.0 * random.signed()));
+        let surface = at_rest(cuboid([0.3; 3], [8; 3]), |p| turn * p + Vec3::y());
+        let mut scene = Scene::new(SceneParams::default());
+        scene.colliders.push(Collider::ground(0.0));
+        let mut material = Material::solid(1e6, 0.45, 1000.0);
+        material.solid.as_mut().unwrap().cells_across = 8;
+        let id = scene.add_body(surface, &material).unwrap();
+        let sleeps = (0..500).any(|_| {
+            scene.step().unwrap();
+            scene.is_asleep(id).unwrap()
+        });
+        assert!(sleeps, "cube {seed} is awake after 8 s");
+    }
 }
 
 /// Returns a scene of a solid that was cut in flight.
