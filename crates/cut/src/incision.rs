@@ -320,8 +320,11 @@ impl Incision {
         self.sweep = sweep;
     }
 
-    /// Stores rest positions after a step in the rest shape.
-    pub(crate) fn finish_exchange(&mut self, surface: &Surface) {
+    /// Stores the rest positions of the tip, by which it is recognized.
+    ///
+    /// Call it after a step if a solver sets the rest positions of new vertices, as it does for a
+    /// body with a lattice. Otherwise the tip is lost, and the next step starts a new cut.
+    pub fn follow_rest(&mut self, surface: &Surface) {
         for point in self.tip.iter_mut().chain(&mut self.start_tip) {
             point.rest = surface.rest_position(point.vertex);
         }

@@ -275,7 +275,11 @@ impl Body {
                 cut
             }
         };
-        self.follow(cut, stepped.as_ref().unwrap_or(sweep), threads)
+        let followed = self.follow(cut, stepped.as_ref().unwrap_or(sweep), threads);
+        if let Some((_, incision)) = self.incisions.iter_mut().find(|own| own.0 == number) {
+            incision.follow_rest(&self.surface);
+        }
+        followed
     }
 
     /// Cuts along `sweep` by a method of the caller, and updates BVH, constraints and masses.

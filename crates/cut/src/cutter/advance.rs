@@ -97,7 +97,8 @@ impl Cutter {
     /// than half an edge length is a miss and adds up. Where a step is impossible with the blade
     /// exactly there, the blade is displaced by up to a hundredth of an edge. When the tip leaves
     /// the body, the separated parts become pieces. A blade with a different number of points
-    /// starts a new incision.
+    /// starts a new incision. After a solver has set the rest positions of new vertices, call
+    /// [`Incision::follow_rest`].
     ///
     /// # Errors
     /// [`CutError`]; the surface is then bit for bit what it was. The incision keeps its tip, from
@@ -146,7 +147,7 @@ impl Cutter {
         let mut outcome = result?;
         if let Some(undo) = &mut outcome.undo {
             undo.exchange_shapes(surface);
-            incision.finish_exchange(surface);
+            incision.follow_rest(surface);
             if !defers_bvh {
                 self.update_bvh(surface, &outcome.delta);
             }

@@ -23,6 +23,7 @@ mod sheets;
 mod sleep;
 mod sleep_long;
 mod slices;
+mod solid_incisions;
 mod solids;
 mod undo_in_motion;
 mod undo_stack;
