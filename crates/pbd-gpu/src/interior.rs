@@ -35,7 +35,8 @@ pub(crate) struct Interior {
     /// Velocity [m/s], last component 0, shape \[nodes\].
     pub(crate) velocities: Vec<[f32; 4]>,
     /// Forces of cells in the last substep \[N\], which the next one repeats, shape \[nodes\].
-    #[cfg_attr(feature = "serde", serde(skip))]
+    ///
+    /// Sums depend on the order of the cells in the sweep, which a cut changes.
     pub(crate) node_forces: Vec<[f32; 4]>,
     /// Mass \[kg\], shape \[nodes\].
     pub(crate) mass: Vec<f32>,
@@ -61,7 +62,6 @@ pub(crate) struct Interior {
     #[cfg_attr(feature = "serde", serde(skip))]
     scratch: EditScratch,
     /// Coefficients of the last frame.
-    #[cfg_attr(feature = "serde", serde(skip, default = "no_constants"))]
     constants: CellConstants,
     /// Mean product of the inverse mass and the fraction of a cell, by volume [1/(kg m²)].
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -212,12 +212,6 @@ impl Interior {
             + self.mass.capacity()
             + self.cells.capacity()
     }
-}
-
-/// Returns the coefficients before the first frame.
-#[cfg(feature = "serde")]
-fn no_constants() -> CellConstants {
-    CellConstants::NONE
 }
 
 /// Returns the stiffness of a full cell against changes of shape and of volume, `2 mu V` and

@@ -17,6 +17,7 @@ impl Interior {
         for (array, rows) in [
             ("positions of nodes", &self.positions),
             ("velocities of nodes", &self.velocities),
+            ("forces at nodes", &self.node_forces),
         ] {
             if rows.len() != nodes || !rows.iter().all(is_vector) {
                 return Err(invalid(array));
@@ -33,6 +34,9 @@ impl Interior {
         {
             return Err(invalid("scales of a solid"));
         }
+        if !self.constants.is_valid() {
+            return Err(invalid("coefficients of cells"));
+        }
         let mut pins = self.last_pins.iter().flat_map(|pin| pin.target);
         let ascending = self.last_pins.is_sorted_by(|a, b| a.vertex < b.vertex);
         if !ascending || !pins.all(f32::is_finite) {
@@ -43,7 +47,6 @@ impl Interior {
         let inverse_mass = |node: VertexId| positions[node.index()][3];
         let size = self.lattice.grid.cell_size();
         self.mean_rest_length = surface.mean_rest_edge_length();
-        self.node_forces = vec![[0.0; 4]; nodes];
         self.mean_stiff = self.cells.set_weights(inverse_mass, |_| true, size);
         let slots = 0..surface.positions().len();
         self.inverse_masses = slots.map(|slot| self.point_inverse_mass(slot)).collect();

@@ -195,6 +195,30 @@ fn spin(surface: &Surface, solver: &mut Solver, rate: Vec3) {
 }
 
 #[test]
+fn a_body_that_is_let_go_does_not_turn() {
+    // Stretched and sheared: viscous forces are not parallel to the strain.
+    for (young_modulus, most) in [(1e5, 0.012), (1e6, 0.06)] {
+        let mut surface = cuboid([0.5, 0.1, 0.1], [20, 4, 4]);
+        let material = solid(young_modulus, 0.45, Some(0.05));
+        let mut solver = Solver::new(&mut surface, &material).unwrap();
+        for x in surface.positions_mut() {
+            *x = [1.1 * x[0], x[1] + 0.15 * x[0], x[2], x[3]];
+        }
+        let params = SolverParams {
+            conserve: false,
+            ..WEIGHTLESS
+        };
+        for _ in 0..12 {
+            solver.step(&mut surface, DT, &params).unwrap();
+        }
+        let momentum = Vec3::from(solver.angular_momentum(&surface, [0.0; 3]));
+        let inertia = solver.total_mass() / 12.0;
+        let rate = momentum.norm() / inertia;
+        assert!(rate < most, "{rate} rad/s at {young_modulus} Pa");
+    }
+}
+
+#[test]
 fn velocities_and_positions_of_vertices_move_the_nodes() {
     let mut surface = icosphere(3, 0.5);
     let mut solver = Solver::new(&mut surface, &solid(1e6, 0.45, None)).unwrap();
