@@ -83,6 +83,10 @@ impl Lattice {
     }
 
     /// Finds the copies that held the new parts before.
+    ///
+    /// Most of a part's vertices were in that copy. A part without vertices goes by the parts that
+    /// it meets: it was in the copy of its cell that shared nodes with theirs or, where the body is
+    /// new, beside one of these. Of two pieces that touched at rest, it is never the other one.
     fn find_parents(&mut self, work: &Work) {
         let parts = &mut self.state.parts;
         for &part in &work.old_parts {
@@ -92,66 +96,75 @@ impl Lattice {
         if self.cells.is_empty() {
             return;
         }
-        let mut orphans = Vec::new();
+        let mut open = Vec::new();
         let mut votes: Vec<(u32, u32)> = Vec::new();
         for solved in &work.solved {
-            let old_parts = &work.old_parts[solved.old_parts.clone()];
-            let own = work.parts[solved.parts.clone()].iter().copied();
-            let largest = |&&a: &&u32, &&b: &&u32| {
-                let [a, b] = [a, b].map(|part| parts.get(part).sums.length());
-                a.total_cmp(&b)
-            };
-            let Some(&largest) = old_parts.iter().rev().max_by(largest) else {
-                orphans.extend(own);
-                continue;
-            };
-            let largest = parts.get(largest).old_copy;
-            for part in own {
-                let mut parent = largest;
-                if old_parts.len() > 1 {
-                    votes.clear();
-                    let vertices = &work.vertices[solved.vertices.clone()];
-                    for &(v, _) in vertices.iter().filter(|own| own.1 == part) {
-                        let copy = self.vertex_copies[v.index()];
-                        match votes.iter_mut().find(|own| own.0 == copy) {
-                            Some(own) => own.1 += 1,
-                            None if copy != NONE => votes.push((copy, 1)),
-                            None => {}
-                        }
+            let vertices = &work.vertices[solved.vertices.clone()];
+            for &part in &work.parts[solved.parts.clone()] {
+                votes.clear();
+                for &(v, _) in vertices.iter().filter(|own| own.1 == part) {
+                    let copy = self.vertex_copies[v.index()];
+                    match votes.iter_mut().find(|own| own.0 == copy) {
+                        Some(own) => own.1 += 1,
+                        None if copy != NONE => votes.push((copy, 1)),
+                        None => {}
                     }
-                    let best = votes
-                        .iter()
-                        .min_by_key(|own| (std::cmp::Reverse(own.1), own.0));
-                    parent = best.map_or(largest, |own| own.0);
                 }
-                parts.get_mut(part).old_copy = parent;
+                let best = votes
+                    .iter()
+                    .min_by_key(|own| (std::cmp::Reverse(own.1), own.0));
+                match best {
+                    Some(best) => parts.get_mut(part).old_copy = best.0,
+                    None => open.push((part, solved)),
+                }
             }
         }
-        // Where the body is new, from the parts beside, as far as these have parents.
-        while !orphans.is_empty() {
-            let mut found = Vec::new();
-            for &part in &orphans {
-                let links = parts.get(part).links.iter();
-                let beside = links.map(|link| {
+        let shares_nodes = |a: u32, b: u32| {
+            let [a, b] = [a, b].map(|copy| &self.nodes[copy as usize]);
+            a.iter().any(|node| b.contains(node))
+        };
+        let mut found = Vec::new();
+        let mut beside: Vec<((u32, u32), u32)> = Vec::new();
+        loop {
+            found.clear();
+            for &(part, solved) in &open {
+                beside.clear();
+                beside.extend(parts.get(part).links.iter().filter_map(|link| {
                     let other = parts.get(link.part());
-                    let is_new = work.touched.contains(other.cell);
-                    let copy = if is_new {
+                    let copy = if work.touched.contains(other.cell) {
                         other.old_copy
                     } else {
                         parts.carrying_copy(link.part())
                     };
-                    (parts.order(link.part()), copy)
-                });
-                let first = beside.filter(|own| own.1 != NONE).min();
-                found.extend(first.map(|own| (part, own.1)));
+                    (copy != NONE).then(|| (parts.order(link.part()), copy))
+                }));
+                beside.sort_unstable();
+                let in_cell = || {
+                    let old_parts = work.old_parts[solved.old_parts.clone()].iter();
+                    old_parts.map(|&old| parts.get(old).old_copy)
+                };
+                let mut of_cell = beside
+                    .iter()
+                    .filter_map(|own| in_cell().find(|&copy| shares_nodes(copy, own.1)));
+                let parent = of_cell.next().or(beside.first().map(|own| own.1));
+                found.extend(parent.map(|parent| (part, parent)));
             }
             if found.is_empty() {
-                return;
+                break;
             }
-            for &(part, copy) in &found {
-                parts.get_mut(part).old_copy = copy;
+            for &(part, parent) in &found {
+                parts.get_mut(part).old_copy = parent;
             }
-            orphans.retain(|&part| parts.get(part).old_copy == NONE);
+            open.retain(|own| parts.get(own.0).old_copy == NONE);
+        }
+        // Alone in its cell, and no vertex is left.
+        for (part, solved) in open {
+            let old_parts = work.old_parts[solved.old_parts.clone()].iter();
+            let size = |&&old: &&u32| parts.get(old).sums.length();
+            let largest = old_parts.min_by(|a, b| size(b).total_cmp(&size(a)));
+            if let Some(&largest) = largest {
+                parts.get_mut(part).old_copy = parts.get(largest).old_copy;
+            }
         }
     }
 }

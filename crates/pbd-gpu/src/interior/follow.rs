@@ -14,7 +14,7 @@ pub(crate) struct EditScratch {
     removed: Vec<(u32, CellState, f64)>,
     /// Positions and velocities of added nodes.
     added: Vec<[[f32; 4]; 2]>,
-    /// Whether a node has another mass, shape \[nodes\].
+    /// Whether a node has another mass or other cells, shape \[nodes\].
     is_changed: Vec<bool>,
 }
 
@@ -70,12 +70,24 @@ impl Interior {
         self.restore_momenta(nodes.clone(), &before, center);
         scratch.is_changed.clear();
         scratch.is_changed.resize(self.positions.len(), false);
-        for node in nodes {
+        for node in nodes.chain(self.nodes_of_cells(change)) {
             scratch.is_changed[node as usize] = true;
         }
         self.update_weights_of(surface, &scratch.is_changed);
         self.embed_changed(surface, change);
         self.scratch = scratch;
+    }
+
+    /// Returns the nodes of removed, changed and added cells.
+    ///
+    /// Not all of them have another mass: a cell in the body may be replaced by an equal one.
+    fn nodes_of_cells(&self, change: &LatticeChange) -> impl Iterator<Item = u32> {
+        let old = change.copies_removed.iter().chain(&change.copies_changed);
+        let new = (change.copies_changed.iter().map(|old| old.copy))
+            .chain(change.copies_added.iter().map(|added| added.copy));
+        let nodes = &self.lattice.nodes;
+        let new = new.flat_map(|copy| nodes[copy as usize]);
+        old.flat_map(|old| old.nodes).chain(new)
     }
 
     /// Returns a point near the changed nodes \[m\].

@@ -115,6 +115,37 @@ fn pieces_of_falling_solids_keep_their_shape_and_motion() {
     }
 }
 
+/// Regression: full cells replaced by equal ones had no inverse masses, and cells of one piece took
+/// their nodes from another one that it touched at rest.
+#[test]
+fn a_coarse_body_is_cut_on_the_ground() {
+    for seed in 0..6 {
+        let mut random = Random::new(seed);
+        let turn = Rotation3::new(Vec3::from_fn(|_, _| 3.0 * random.signed()));
+        let surface = at_rest(cuboid([0.35; 3], [1; 3]), |p| turn * p + Vec3::y());
+        let volume = surface.volume();
+        let mut scene = Scene::new(SceneParams::default());
+        scene.colliders.push(Collider::ground(0.0));
+        let material = Material::solid(random.log(1e6, 3e6), 0.45, 1000.0);
+        let id = scene.add_body(surface, &material).unwrap();
+        for frame in 0..120 {
+            if let Some(&normal) = PLANES.get(frame / 20).filter(|_| frame % 20 == 19) {
+                cut(&mut scene, id, normal);
+            } else {
+                scene.step().unwrap();
+            }
+        }
+        let body = scene.body(id).unwrap();
+        let whole = body.surface().volume();
+        assert!(
+            (whole / volume - 1.0).abs() < 0.05,
+            "{whole} of {volume} m^3"
+        );
+        let deviation = deviation(body.surface());
+        assert!(deviation < 0.05, "pieces are off by {deviation}");
+    }
+}
+
 #[test]
 fn an_undo_in_place_restores_a_solid() {
     let mut scene = Scene::new(SceneParams::default());
