@@ -12,6 +12,7 @@ mod loads;
 mod motions;
 mod primitives;
 mod runner;
+mod solids;
 mod still;
 mod volumes;
 
@@ -177,7 +178,7 @@ impl Case {
 
 /// Returns all cases in the order of the table.
 pub fn cases() -> impl Iterator<Item = &'static Case> {
-    let parts: [&[Case]; 8] = [
+    let parts: [&[Case]; 9] = [
         &still::CASES,
         &motions::CASES,
         &loads::CASES,
@@ -185,6 +186,7 @@ pub fn cases() -> impl Iterator<Item = &'static Case> {
         &contacts::CASES,
         &cuts::CASES,
         &heaps::CASES,
+        &solids::CASES,
         &drop::CASES,
     ];
     parts.into_iter().flatten()
