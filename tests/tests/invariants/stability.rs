@@ -7,7 +7,7 @@ use incise_tests::stability::{Case, Runner, Verdict, cases};
 /// Verdicts that fail today: case, stress and invariant, the last two by their beginnings.
 ///
 /// One that is mended must leave the list.
-const OPEN: [[&str; 3]; 17] = [
+const OPEN: [[&str; 3]; 21] = [
     // Crumpled limp shells of long thin triangles jump, pieces without a volume creep, and balls
     // and halves of round bodies rock on.
     ["primitive", "", "speed"],
@@ -46,6 +46,14 @@ const OPEN: [[&str; 3]; 17] = [
     // By the place of the slit, walls are 0.03 to 1.05 edges deep in each other, in 11 of 20 runs
     // more than the limit.
     ["pressed", "", "depth of a wall"],
+    // A hanging body with a slit and two thin plates are off by up to 1.3 %.
+    ["solids", "", "distance"],
+    // Contacts part slices that coincide at birth, by 1.4 % of a fall of a meter.
+    ["solids", "", "energy"],
+    // The floor, 3 % of a cell, is up to 20 times below the mean.
+    ["solids", "", "mean mass"],
+    // Balls roll, and bodies of 0.1 MPa swing on by their relaxation time of 5 ms.
+    ["solids", "", "time"],
 ];
 
 /// Returns whether a verdict is known to fail.
@@ -124,5 +132,6 @@ stress_tests! {
     shattered_bunnies: "shatter"
     bowls: "bowl"
     stacks: "stack"
+    solids: "solids"
     drops: "drop";
 }
