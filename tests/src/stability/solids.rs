@@ -11,9 +11,9 @@ use shape::{Piece, pieces};
 
 pub(super) const CASES: [Case; 1] = [Case {
     id: "solids",
-    stress: "models, balls, rings and bars with an inside, 0.1 to 10 MPa: dropped, cut in flight and \
-             at rest, by a knife with and without a face and by a scalpel, dragged, squeezed, piled \
-             up, sliced and as plates; other frames, cells and stiffnesses",
+    stress: "models, balls, rings and bars with an inside, 0.1 to 10 MPa: dropped, cut in flight \
+             and at rest, by a knife with and without a face and by a scalpel, dragged, squeezed, \
+             piled up, sliced and as plates; other frames, cells and stiffnesses",
     invariants: &[
         (
             "distance from the rest shape in zero gravity, root mean square by diagonal",
