@@ -40,7 +40,7 @@ pub(crate) struct CellSolver {
     pub(crate) passing: [Vec<u32>; 6],
     /// By face, the lines with spans that pass it.
     pub(crate) inside: [u16; 6],
-    /// The first triangles of those that are connected in the cell, if its parts depend on pieces.
+    /// A triangle of each connected group in the cell, the first one, if parts depend on pieces.
     pub(crate) witnesses: Vec<TriangleId>,
     /// The vertices in the cell, each with its first triangle.
     pub(crate) vertices: Vec<(VertexId, u32)>,

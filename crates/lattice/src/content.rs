@@ -11,7 +11,7 @@ use crate::crossings::Crossings;
 use crate::grid::{Grid, ROUNDING};
 use crate::lines::{LINES, Lines};
 use crate::overlap::{bounds, is_in_box, triangle_meets_box};
-use crate::projection::{Projection, Sorted};
+use crate::projection::{Passage, Projection, Sorted};
 use crate::set::Set;
 use incise_mesh::{TopologyDelta, TriangleId, Vec3, VertexId};
 use std::collections::BTreeMap;
@@ -281,14 +281,14 @@ impl Content {
         self.add_to_cells(grid, t, &corners, |cell| {
             touched.insert(cell);
         });
-        find_crossings(body, &corners, |axis, numbers, crossing| {
+        find_crossings(body, &corners, |axis, numbers, passage| {
             let lines = &lines[axis];
             let [u, v] = lines.across;
             let line = lines.index(numbers[0], numbers[1]);
-            self.crossings.insert(axis, line, t, crossing);
+            self.crossings.insert(axis, line, t, passage);
             work.changed[axis].insert(line);
             let mut cell = [0; 3];
-            cell[axis] = grid.cell_along(axis, crossing.0);
+            cell[axis] = grid.cell_along(axis, passage.at);
             cell[u] = numbers[0] / LINES;
             cell[v] = numbers[1] / LINES;
             touched.insert(grid.index(cell));
@@ -350,7 +350,7 @@ const WALL_GAP: f64 = 3.0 * ROUNDING;
 fn find_crossings(
     body: &Body<'_>,
     corners: &[Vec3; 3],
-    mut found: impl FnMut(usize, [u32; 2], (f64, bool)),
+    mut found: impl FnMut(usize, [u32; 2], Passage),
 ) {
     let lines = &body.lines;
     let [min, max] = bounds(corners);
@@ -370,9 +370,11 @@ fn find_crossings(
         for j in ranges[v].clone() {
             for i in ranges[u].clone() {
                 let place = [lines.at(u, i), lines.at(v, j)];
-                if let Some((at, leaves)) = projection.crossing(place) {
-                    let at = if leaves { at } else { at + gap };
-                    found(axis, [i, j], (at, leaves));
+                if let Some(mut passage) = projection.crossing(place) {
+                    if !passage.leaves {
+                        passage.at += gap;
+                    }
+                    found(axis, [i, j], passage);
                 }
             }
         }

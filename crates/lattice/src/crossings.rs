@@ -2,6 +2,7 @@
 
 use crate::body::Body;
 use crate::lines::Lines;
+use crate::projection::Passage;
 use incise_mesh::{TriangleId, index_u32};
 use std::cmp::Ordering;
 
@@ -28,10 +29,10 @@ impl Crossing {
         self.code & 1 == 1
     }
 
-    fn new(triangle: TriangleId, (at, leaves): (f64, bool)) -> Self {
+    fn new(triangle: TriangleId, passage: Passage) -> Self {
         Self {
-            at,
-            code: triangle.0 << 1 | u32::from(!leaves),
+            at: passage.at,
+            code: triangle.0 << 1 | u32::from(!passage.leaves),
             next: NONE,
         }
     }
@@ -106,9 +107,9 @@ impl Crossings {
         axis: usize,
         line: u32,
         triangle: TriangleId,
-        crossing: (f64, bool),
+        passage: Passage,
     ) {
-        let mut added = Crossing::new(triangle, crossing);
+        let mut added = Crossing::new(triangle, passage);
         let (mut before, mut next) = (NONE, self.first[axis][line as usize]);
         while let Some(crossing) = self.pool.get(next as usize) {
             if crossing.order(&added).is_ge() {
@@ -297,8 +298,8 @@ pub(crate) struct FoundCrossing {
 
 #[cfg(feature = "serde")]
 impl FoundCrossing {
-    pub(crate) fn new(axis: usize, line: u32, triangle: TriangleId, at: (f64, bool)) -> Self {
-        let crossing = Crossing::new(triangle, at);
+    pub(crate) fn new(axis: usize, line: u32, triangle: TriangleId, passage: Passage) -> Self {
+        let crossing = Crossing::new(triangle, passage);
         Self {
             axis,
             line,

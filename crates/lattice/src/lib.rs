@@ -22,6 +22,7 @@ mod overlap;
 #[cfg(feature = "serde")]
 mod pairs;
 mod params;
+mod parents;
 mod parts;
 mod projection;
 mod set;

@@ -2,6 +2,15 @@
 
 use incise_mesh::Vec3;
 
+/// A place at which a line along an axis crosses a triangle.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Passage {
+    /// Coordinate along the line \[m\].
+    pub(crate) at: f64,
+    /// Whether the line leaves the body there; it enters otherwise.
+    pub(crate) leaves: bool,
+}
+
 /// The corners of a triangle in lexicographic order.
 #[derive(Debug)]
 pub(crate) struct Sorted {
@@ -54,11 +63,10 @@ impl<'a> Projection<'a> {
         }
     }
 
-    /// Returns where a line along the axis crosses the triangle, and whether it leaves the body
-    /// there.
+    /// Returns where a line along the axis crosses the triangle.
     ///
     /// An edge gives both of its triangles the same answer, so that no line slips between them.
-    pub(crate) fn crossing(&self, place: [f64; 2]) -> Option<(f64, bool)> {
+    pub(crate) fn crossing(&self, place: [f64; 2]) -> Option<Passage> {
         let [u, v] = self.across;
         let [a, b, c] = &self.triangle.corners;
         let is_left = |a: &Vec3, b: &Vec3| {
@@ -80,6 +88,7 @@ impl<'a> Projection<'a> {
         // Rounding errors of triangles along the line are not bounded otherwise.
         let (low, high) = (a[k].min(b[k]).min(c[k]), a[k].max(b[k]).max(c[k]));
         let at = at.max(low).min(high);
-        (self.determinant != 0.0).then_some((at, is_left_of_all == self.triangle.is_even))
+        let leaves = is_left_of_all == self.triangle.is_even;
+        (self.determinant != 0.0).then_some(Passage { at, leaves })
     }
 }

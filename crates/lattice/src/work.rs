@@ -36,7 +36,7 @@ pub(crate) struct Work {
     /// Vertices with their parts.
     pub(crate) vertices: Vec<(VertexId, u32)>,
     pub(crate) clusters: Clusters,
-    /// Parts that carry other parts than before, and those that no longer carry any.
+    /// Parts that carry, or carried, others than before.
     pub(crate) carriers: Vec<u32>,
     /// Parts whose carrier changed.
     pub(crate) moved: Vec<u32>,

@@ -40,9 +40,9 @@ impl Content {
                 return Err(InvalidLattice::TooManyEntries);
             }
             self.add_to_cells(grid, t, &corners, |_| held += 1);
-            find_crossings(body, &corners, |axis, [i, j], crossing| {
+            find_crossings(body, &corners, |axis, [i, j], passage| {
                 let line = body.lines[axis].index(i, j);
-                crossings.push(FoundCrossing::new(axis, line, t, crossing));
+                crossings.push(FoundCrossing::new(axis, line, t, passage));
             });
             if held > max_held || crossings.len() as u64 > max_crossings {
                 return Err(InvalidLattice::TooManyEntries);

@@ -22,7 +22,7 @@ fn check(array: &'static str, holds: bool) -> Result<(), InvalidLattice> {
 }
 
 impl Parts {
-    /// Completes parts that were read with serde. Returns those that are not free in order.
+    /// Completes parts that were read with serde. Returns the used ones, in order.
     pub(crate) fn finish_load(&mut self, grid: &Grid) -> Result<Vec<u32>, InvalidLattice> {
         check("parts", self.slots.len() < MAX_SLOTS)?;
         let cell_count = grid.cell_count();

@@ -27,12 +27,12 @@ impl Interior {
         self.note_embedded(surface);
     }
 
-    /// Notes that positions of vertices are as embedded.
+    /// Records that the positions of vertices are as the lattice places them.
     pub(super) fn note_embedded(&mut self, surface: &Surface) {
         self.embedded = checksum(surface.positions());
     }
 
-    /// Returns whether positions of vertices differ from those that were embedded.
+    /// Returns whether positions of vertices have been edited since the last record.
     pub(crate) fn is_edited(&self, surface: &Surface) -> bool {
         self.embedded != checksum(surface.positions())
     }

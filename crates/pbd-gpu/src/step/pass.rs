@@ -48,8 +48,8 @@ pub enum Pass {
     LongRangeAttachments,
     /// Pulls pinned vertices of a solid and pushes vertices out of colliders before its cells.
     ///
-    /// The prediction repeats the forces of cells, but not those that hold them up. Without this
-    /// pass cells would see nodes that fall through a plane, and the body would be softer.
+    /// The prediction repeats the forces of cells, but not those of supports. Without this pass,
+    /// cells would see nodes that fall through a plane, and the body would be softer.
     SolidSupports,
     /// Projects the cells of one batch of a solid.
     Cells(BatchId),
