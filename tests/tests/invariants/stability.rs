@@ -46,7 +46,7 @@ const OPEN: [[&str; 3]; 21] = [
     // By the place of the slit, walls are 0.03 to 1.05 edges deep in each other, in 11 of 20 runs
     // more than the limit.
     ["pressed", "", "depth of a wall"],
-    // A hanging body with a slit and two thin plates are off by up to 1.3 %.
+    // A hanging body with a slit is off by 0.2 %.
     ["solids", "", "distance"],
     // Contacts part slices that coincide at birth, by 1.4 % of a fall of a meter.
     ["solids", "", "energy"],
