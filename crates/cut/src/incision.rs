@@ -322,11 +322,14 @@ impl Incision {
 
     /// Stores the rest positions of the tip, by which it is recognized.
     ///
-    /// Call it after a step if a solver sets the rest positions of new vertices, as it does for a
-    /// body with a lattice. Otherwise the tip is lost, and the next step starts a new cut.
+    /// Call it after a step that cut, if a solver sets the rest positions of new vertices, as it
+    /// does for a body with a lattice. Otherwise the tip is lost, and the next step starts a new
+    /// cut. Vertices that the surface does not have end the incision at its next step.
     pub fn follow_rest(&mut self, surface: &Surface) {
         for point in self.tip.iter_mut().chain(&mut self.start_tip) {
-            point.rest = surface.rest_position(point.vertex);
+            if point.vertex.index() < surface.topology().vertex_slots() {
+                point.rest = surface.rest_position(point.vertex);
+            }
         }
     }
 

@@ -16,7 +16,8 @@ impl Lattice {
     ///
     /// Most of a part's vertices were in that copy. A part without vertices goes by the parts that
     /// it meets: it was in the copy of its cell that shared nodes with theirs or, where the body is
-    /// new, beside one of these. Of two pieces that touched at rest, it is never the other one.
+    /// new, beside one of these. Of two pieces that touched at rest, it is never the other one. A
+    /// part that meets none, and of which no old vertex is left, was in the largest part there.
     pub(crate) fn find_parents(&mut self, work: &Work) {
         let parts = &mut self.state.parts;
         for &part in &work.old_parts {
@@ -42,7 +43,6 @@ impl Lattice {
             }
             open.retain(|own| self.state.parts.get(own.part).old_copy == NONE);
         }
-        // Alone in its cell, and no vertex is left.
         let parts = &mut self.state.parts;
         for Open { part, solved } in open {
             let old_parts = work.old_parts[solved.old_parts.clone()].iter();

@@ -56,8 +56,7 @@ pub(crate) struct Interior {
     area_density: f64,
     /// Volume of the surface by that of the scanlines.
     volume_scale: f64,
-    /// Mean rest length of the edges of the surface \[m\].
-    #[cfg_attr(feature = "serde", serde(skip))]
+    /// Mean rest length of the edges of the surface at creation \[m\].
     pub(crate) mean_rest_length: f64,
     #[cfg_attr(feature = "serde", serde(skip))]
     scratch: EditScratch,

@@ -275,8 +275,10 @@ impl Body {
                 cut
             }
         };
+        let has_cut = cut.as_ref().is_ok_and(|outcome| !outcome.is_miss());
         let followed = self.follow(cut, stepped.as_ref().unwrap_or(sweep), threads);
-        if let Some((_, incision)) = self.incisions.iter_mut().find(|own| own.0 == number) {
+        let mut own = self.incisions.iter_mut().filter(|own| own.0 == number);
+        if let Some((_, incision)) = own.next().filter(|_| has_cut) {
             incision.follow_rest(&self.surface);
         }
         followed

@@ -3,7 +3,8 @@
 //! - [`process`], [`random`], [`beams`]: tests in a process of their own, seeded numbers, closed
 //!   forms.
 //! - With the feature `mesh`: hashes of surfaces (`bits`).
-//! - With the feature `solver`: small bodies and changes of them (`surfaces`, `edits`),
+//! - With the feature `solver`: small bodies and changes of them (`surfaces`, `edits`,
+//!   `pieces`),
 //!   `materials`, `params`, limits of every motion (`energy`), and solver results with a closed
 //!   form (`closed_forms`, `single_steps`).
 //! - With the feature `gpu`: tests that need a GPU (`gpu`, `external_device`, `cpu_gpu_pair`).
@@ -27,6 +28,8 @@ pub mod gpu;
 pub mod materials;
 #[cfg(feature = "solver")]
 pub mod params;
+#[cfg(feature = "solver")]
+pub mod pieces;
 pub mod process;
 pub mod random;
 #[cfg(feature = "solver")]

@@ -1,13 +1,13 @@
 //! Solids in 75 seeded scenes: dropped, cut, dragged, squeezed and piled up.
 
+mod bodies;
 mod scripts;
-mod shape;
 
 use super::{Case, Found, Outcome, Run, larger};
 use incise_pbd_gpu::Material;
 use incise_scene::{BodyId, Scene};
+use incise_test_support::pieces::{Piece, pieces};
 use scripts::{Kind, Script};
-use shape::{Piece, pieces};
 
 pub(super) const CASES: [Case; 1] = [Case {
     id: "solids",

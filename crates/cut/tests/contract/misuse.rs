@@ -1,6 +1,6 @@
 //! Misuse of a [`Cutter`] is an error that names the remedy: never a panic, never a silent miss.
 
-use incise_cut::{CutError, CutParams, Cutter, Sweep};
+use incise_cut::{CutError, CutParams, Cutter, Incision, Sweep};
 use incise_mesh::{Surface, TriangleId, icosphere, torus};
 
 fn body() -> Surface {
@@ -220,4 +220,23 @@ fn a_miss_says_so() {
     let outcome = cutter.cut(&mut surface, &beside, &CutParams::default());
     let outcome = outcome.expect("a miss is no error");
     assert!(outcome.is_miss() && outcome.undo.is_none() && outcome.cap.is_empty());
+}
+
+#[test]
+fn an_incision_follows_a_surface_without_its_tip() {
+    let mut surface = body();
+    let mut cutter = Cutter::new(&surface);
+    let mut incision = Incision::default();
+    let pose = |y: f32| [[0.0, y, -1.0], [0.01, y, 1.0]];
+    for y in [0.7, 0.2] {
+        let outcome = cutter.advance(&mut surface, &mut incision, &pose(y), &CutParams::default());
+        assert!(outcome.is_ok(), "a step: {outcome:?}");
+    }
+    assert!(incision.is_inside(), "the blade stops in the body");
+    incision.follow_rest(&Surface::default());
+    let mut other = icosphere(1, 0.5);
+    let mut cutter = Cutter::new(&other);
+    let outcome = cutter.advance(&mut other, &mut incision, &pose(0.1), &CutParams::default());
+    assert!(outcome.is_ok(), "a step without a tip: {outcome:?}");
+    other.validate_closed().expect("a closed surface");
 }

@@ -37,8 +37,8 @@ pub(crate) struct CellBlock {
     pub(crate) center: [Row; 3],
     /// Volume of the part \[cells\], at least [`MIN_FRACTION`].
     pub(crate) fraction: Row,
-    /// Second moments that resist each hourglass mode, relative to those of a full cell by volume;
-    /// times the fraction at least [`MIN_FRACTION`].
+    /// Second moments by volume that resist each hourglass mode, relative to a full cell. Their
+    /// product with the fraction is at least [`MIN_FRACTION`].
     pub(crate) bending: [Row; 4],
     /// Bound of the inverse mass of a row of the strain [1/(kg m²)].
     pub(crate) strain_weight: Row,

@@ -48,7 +48,6 @@ impl Interior {
         let change = &mut scratch.change;
         self.lattice.follow(surface, delta, change);
         self.inverse_masses.resize(surface.positions().len(), 0.0);
-        self.mean_rest_length = surface.mean_rest_edge_length();
         if change.is_empty() {
             self.scratch = scratch;
             return;

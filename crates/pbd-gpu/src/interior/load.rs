@@ -27,7 +27,7 @@ impl Interior {
         if self.mass.len() != nodes || !self.mass.iter().all(is_mass) {
             return Err(invalid("masses of nodes"));
         }
-        let scales = [self.volume_scale, self.area_density];
+        let scales = [self.volume_scale, self.area_density, self.mean_rest_length];
         if !scales
             .iter()
             .all(|scale| scale.is_finite() && *scale >= 0.0)
@@ -46,7 +46,6 @@ impl Interior {
         let positions = &self.positions;
         let inverse_mass = |node: VertexId| positions[node.index()][3];
         let size = self.lattice.grid.cell_size();
-        self.mean_rest_length = surface.mean_rest_edge_length();
         self.mean_stiff = self.cells.set_weights(inverse_mass, |_| true, size);
         let slots = 0..surface.positions().len();
         self.inverse_masses = slots.map(|slot| self.point_inverse_mass(slot)).collect();

@@ -192,9 +192,8 @@ pub(crate) struct Near {
 ///
 /// A push moves the nodes by as little as possible, by their masses. Neighbors share nodes, so the
 /// sums of the pushes are limited: along the normal they are not negative, and friction is at most
-/// the coefficient times them (projected Gauss-Seidel). A later push may take back an earlier one,
-/// in one symmetric sweep.
-/// A depth that a vertex had before the substep shrinks by [`RECOVERY_SPEED`].
+/// the coefficient times them (projected Gauss-Seidel, one symmetric sweep). A later push may take
+/// back an earlier one. A depth that a vertex had before the substep shrinks by [`RECOVERY_SPEED`].
 #[inline(never)]
 pub(crate) fn colliders(
     points: Points<'_>,

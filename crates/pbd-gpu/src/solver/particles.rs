@@ -265,6 +265,8 @@ impl Solver {
     }
 
     /// Returns the mean rest length of edges \[m\], or 0 without edges. O(n).
+    ///
+    /// A solid has that of its surface at creation, O(1).
     #[must_use]
     pub fn mean_rest_length(&self) -> f64 {
         if let Some(interior) = &self.constraints.interior {

@@ -2,18 +2,14 @@
 
 use super::super::Found;
 use super::super::runner::Runner;
+use super::bodies::bodies;
 use incise_cut::{CutParams, Sweep};
 use incise_mesh::geometry::to_f32;
-use incise_mesh::{Surface, Vec3, VertexId, cuboid, icosphere, torus};
-use incise_models::scenes::unit_size;
+use incise_mesh::{Vec3, VertexId};
 use incise_pbd_gpu::{Collider, Material};
 use incise_scene::{BladeId, BodyId, ContactParams, Scene, SceneParams};
 use incise_test_support::random::Random;
 use incise_test_support::surfaces::at_rest;
-use nalgebra::Rotation3;
-
-/// Most triangles of a model that is taken.
-const MOST_TRIANGLES: usize = 10_000;
 
 /// What is done to a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -172,8 +168,7 @@ impl Script {
             Kind::CutInFlight => CUTS[0][0] + 4.0 * CUTS[0][1],
             Kind::CutAtRest | Kind::Slices => CUTS[1][0] + 4.0 * CUTS[1][1],
             Kind::Squeeze => MOTION[0] + 2.0 * MOTION[1],
-            Kind::Knife | Kind::Drag => MOTION[0] + MOTION[1],
-            kind if kind.does_work() => MOTION[0] + MOTION[1],
+            kind if kind == Kind::Knife || kind.does_work() => MOTION[0] + MOTION[1],
             _ => 0.0,
         }
     }
@@ -336,76 +331,4 @@ impl Script {
 /// Returns the edge of a blade around its middle \[m\].
 fn edge(middle: Vec3) -> [[f32; 3]; 2] {
     [-1.5, 1.5].map(|z| to_f32(middle + Vec3::new(0.0, 0.0, z)))
-}
-
-/// Returns the bodies of a scene with the places of their lowest points \[m\].
-fn bodies(runner: &Runner, kind: Kind, random: &mut Random) -> Found<Vec<(Surface, Vec3)>> {
-    let height = |random: &mut Random| Vec3::new(0.0, random.between(0.1, 0.5), 0.0);
-    Ok(match kind {
-        Kind::Slices => vec![(
-            cuboid([0.5, 0.4, 0.4], [10, 8, 8]),
-            Vec3::new(0.0, 1e-3, 0.0),
-        )],
-        Kind::Plates => (0..3)
-            .map(|i| {
-                let thickness = random.between(0.05, 0.15);
-                let plate = cuboid([0.5, thickness / 2.0, 0.5], [10, 2, 10]);
-                (
-                    turned(plate, random, [0.0, 1.0, 0.0]),
-                    Vec3::new(0.0, 0.05 + 0.3 * f64::from(i), 0.0),
-                )
-            })
-            .collect(),
-        Kind::Pile => {
-            let mut pile = Vec::new();
-            for i in 0..4 {
-                let at = Vec3::new(
-                    0.2 * random.signed(),
-                    0.1 + 1.1 * f64::from(i),
-                    0.2 * random.signed(),
-                );
-                pile.push((any_body(runner, random)?, at));
-            }
-            pile
-        }
-        Kind::PinnedScalpel | Kind::HangingScalpel => {
-            vec![(any_body(runner, random)?, Vec3::zeros())]
-        }
-        _ => {
-            let body = any_body(runner, random)?;
-            vec![(body, height(random))]
-        }
-    })
-}
-
-/// Returns a random body of about a meter, turned at random.
-fn any_body(runner: &Runner, random: &mut Random) -> Found<Surface> {
-    let models: Vec<&Surface> = runner
-        .closed_subjects(MOST_TRIANGLES)
-        .map(|subject| &subject.surface)
-        .collect();
-    let surface = match random.below(models.len() + 4) {
-        0 => icosphere(3, 0.5),
-        1 => torus(0.35, 0.15, 32, 16),
-        2 => cuboid([0.5, 0.1, 0.15], [20, 4, 6]),
-        3 => wavy(icosphere(4, 0.4), random),
-        i => models[i - 4].clone(),
-    };
-    let surface = unit_size(surface).ok_or("a body without an extent")?;
-    Ok(turned(surface, random, [1.0; 3]))
-}
-
-/// Bends a body of a meter by waves that do not fold it.
-fn wavy(surface: Surface, random: &mut Random) -> Surface {
-    let phase = Vec3::from_fn(|_, _| 3.0 * random.signed());
-    at_rest(surface, |p| {
-        p + Vec3::from_fn(|k, _| 0.12 * (5.0 * p[(k + 1) % 3] + phase[k]).sin())
-    })
-}
-
-/// Turns a body by a random vector, times factors by axis.
-fn turned(surface: Surface, random: &mut Random, factors: [f64; 3]) -> Surface {
-    let turn = Vec3::from_fn(|k, _| 3.0 * factors[k] * random.signed());
-    let turn = Rotation3::new(turn);
-    at_rest(surface, |p| turn * p)
 }

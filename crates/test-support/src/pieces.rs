@@ -5,16 +5,18 @@ use nalgebra::Matrix3;
 
 /// A piece of a body.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Piece {
-    /// Volume at rest and now \[m³\].
-    pub(super) rest_volume: f64,
-    pub(super) volume: f64,
+pub struct Piece {
+    /// Volume at rest \[m³\].
+    pub rest_volume: f64,
+    /// Volume now \[m³\].
+    pub volume: f64,
     /// Root mean square distance of vertices from the rest shape, moved rigidly, by its diagonal.
-    pub(super) deviation: f64,
+    pub deviation: f64,
 }
 
 /// Returns the pieces of a surface.
-pub(super) fn pieces(surface: &Surface) -> Vec<Piece> {
+#[must_use]
+pub fn pieces(surface: &Surface) -> Vec<Piece> {
     let topology = surface.topology();
     let mut volumes = vec![[0.0; 2]; surface.piece_bound() as usize];
     for t in topology.triangles() {
