@@ -51,7 +51,7 @@ TITLES = {
 }
 HEADER = ("bench", "name", "backend", "device", "machine", "commit", "version")
 # Kinds of rows with figures instead of tables, or too many for a page.
-UNLISTED = {"run", "after_cut", "cell", "section", "rank"}
+UNLISTED = {"run", "cell", "section", "rank"}
 # Rows of a table that is not folded.
 SHORT = 16
 
@@ -62,16 +62,12 @@ SCHEMES = {
     "pbd": "PBD",
     "xpbd-half": "XPBD, diagonal scale 0.5",
     "xpbd-half-bdf2": "the same, second order",
-    "global": "global step",
-    "global-bdf2": "global step, second order",
     "patches": "rigid patches",
 }
 # Scheme, substeps and iterations of the solver's defaults.
 DEFAULTS = ("xpbd-half", 12, 1)
 TARGETS = (1e-1, 1e-2, 1e-3, 1e-4)
 BUDGETS = (1, 4, 8, 16)
-# An error of at most this many times that of a new factor is as good.
-RECOVERED = 1.5
 
 
 @dataclass
@@ -213,7 +209,6 @@ def ranks(rows: list[Row]) -> list[Row]:
     """Returns times to errors, and errors within times, of sets of solvers, scene by scene."""
     table = []
     sets: dict[str, Callable[[Row], bool]] = {
-        "all": lambda row: row["scheme"] not in ("pbd", "patches"),
         "sweeps": lambda row: row["scheme"].startswith("xpbd"),
         "paper": lambda row: scheme(row) == "paper",
     }
@@ -228,11 +223,11 @@ def ranks(rows: list[Row]) -> list[Row]:
             for budget in BUDGETS:
                 rank[f"error at {budget} ms"] = error_at(runs, budget)
             default = [row for row in of if DEFAULTS == tuple(row[k] for k in RUN)]
-            default = points(default, "total") if key == "all" else []
+            default = points(default, "total") if key == "sweeps" else []
             rank["default ms"], rank["default error"] = default[0][:2] if default else (None, None)
             best = error_at(runs, default[0][0]) if default else None
             rank["default over front"] = default[0][1] / best if best else None
-            rank["gain over paper"] = gain(runs, fronts["paper"]) if key == "all" else None
+            rank["gain over paper"] = gain(runs, fronts["paper"]) if key == "sweeps" else None
             table.append(rank)
     return table
 
@@ -316,47 +311,6 @@ def accuracy_figures(sources: list[Source]) -> Iterable[tuple[str, Figure]]:
             grid[0].legend(fontsize=6, loc="lower left")
             figure.subplots_adjust(left=0.07, right=0.99, bottom=0.1, top=0.98)
             yield f"{', '.join(key)}: {source.title}", figure
-        frames = of_kind(source.rows, "after_cut")
-        for name in dict.fromkeys(row["name"] for row in frames):
-            of = [row for row in frames if row["name"] == name]
-            yield f"{name} after a cut. {after_cut(of)}", after_cut_figure(of)
-
-
-def after_cut_figure(rows: list[Row]) -> Figure:
-    figure, grid = plt.subplots(1, 2, figsize=(9, 4), layout="constrained")
-    for solver in dict.fromkeys(row["solver"] for row in rows):
-        of = [row for row in rows if row["solver"] == solver]
-        lines = [(0, "step_error", ""), (1, "drift", "")]
-        if solver == "global":
-            lines += [(0, "fresh_error", ", own factor"), (0, "motion", ", motion")]
-        for i, field, more in lines:
-            y = [row[field] for row in of]
-            grid[i].semilogy([row["frame"] for row in of], y, ".-", label=solver + more)
-    for axes, y in zip(grid, ("error of a frame [mean edges]", "error since the cut [mean edges]")):
-        axes.set(xlabel="frame", ylabel=y)
-        axes.legend(fontsize=7)
-    return figure
-
-
-def after_cut(rows: list[Row]) -> str:
-    """Says how long a cut has an effect on each solver."""
-    said = []
-    for solver in dict.fromkeys(row["solver"] for row in rows):
-        of = [row for row in rows if row["solver"] == solver]
-        times = sorted(row["ms"] for row in of)
-        more = of[0]["ms"] - times[(len(times) - 1) // 2]
-        line = f"{solver}: a cut takes {more:.2f} ms more than a frame"
-        late = [row["frame"] for row in of if not is_recovered(row)]
-        if solver != "sweeps" and (not late or late[-1] < of[-1]["frame"]):
-            after = max(late, default=0)
-            line += f", as accurate as with its own factor after {after} frames"
-        said.append(line)
-    return "; ".join(said) + "."
-
-
-def is_recovered(row: Row) -> bool:
-    error, fresh = row["step_error"], row["fresh_error"]
-    return error is not None and fresh is not None and error <= RECOVERED * fresh
 
 
 def cut_figures(sources: list[Source]) -> Iterable[tuple[str, Figure]]:

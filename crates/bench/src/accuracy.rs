@@ -1,6 +1,5 @@
 //! `incise-bench accuracy`: time per frame against error, scene by scene (work-precision fronts).
 
-mod after_cut;
 mod convergence;
 mod cuts;
 mod error;
@@ -68,12 +67,6 @@ pub(crate) struct AccuracyArguments {
         conflicts_with_all = ["only", "backend", "adapter", "most", "most_iterations"]
     )]
     cuts: bool,
-    /// Measure the first frames after a cut instead, against converged steps.
-    #[arg(
-        long,
-        conflicts_with_all = ["cuts", "only", "backend", "adapter", "most", "most_iterations"]
-    )]
-    after_cut: bool,
     #[command(flatten)]
     output: OutputArguments,
 }
@@ -147,9 +140,6 @@ pub(crate) fn run(
     out: &mut dyn Write,
 ) -> Result<(), Box<dyn Error>> {
     let mut output = Output::open("accuracy", &arguments.output, (), out)?;
-    if arguments.after_cut {
-        return after_cut::run(&mut output);
-    }
     if arguments.cuts {
         return cuts::run(&mut output);
     }

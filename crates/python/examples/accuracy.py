@@ -27,8 +27,6 @@ LABELS = {
     "xpbd": "XPBD",
     "xpbd-half": "XPBD, diagonal scale 0.5",
     "xpbd-half-bdf2": "the same, second order",
-    "global": "global step",
-    "global-bdf2": "global step, second order",
     "patches": "rigid patches",
 }
 

@@ -19,10 +19,6 @@ pub(super) enum Scheme {
     XpbdHalf,
     /// XPBD with a diagonal scale of 0.5 and BDF2 substeps.
     XpbdHalfBdf2,
-    /// The global step with compliances.
-    Global,
-    /// The global step with BDF2 substeps.
-    GlobalBdf2,
     /// Rigid patches, coarse to fine, in 64 bits: not in the product.
     Patches,
     /// The paper's stiffnesses of 0 to 1, those of an isolated constraint with the median weight
@@ -47,7 +43,7 @@ impl Scheme {
 
     pub(super) const fn integrator(self) -> Integrator {
         match self {
-            Self::XpbdHalfBdf2 | Self::GlobalBdf2 => Integrator::Bdf2,
+            Self::XpbdHalfBdf2 => Integrator::Bdf2,
             _ => Integrator::Euler,
         }
     }
@@ -100,10 +96,6 @@ impl Scene {
             diagonal_scale: match scheme {
                 Scheme::XpbdHalf | Scheme::XpbdHalfBdf2 => 0.5,
                 _ => 1.0,
-            },
-            scheme: match scheme {
-                Scheme::Global | Scheme::GlobalBdf2 => incise_pbd_gpu::Scheme::Global,
-                _ => incise_pbd_gpu::Scheme::Sweeps,
             },
             integrator: scheme.integrator(),
             lift: match scheme {

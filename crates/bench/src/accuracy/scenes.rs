@@ -79,12 +79,17 @@ pub(super) fn scene(name: &'static str) -> Result<Scene, Box<dyn Error>> {
             }
         }
         // An armadillo pinned at the top of its head.
-        _ => Scene {
-            frames: 3,
-            fine: [8, 16, 32],
-            max_reference_substeps: 0,
-            ..hung_model(name, Model::Armadillo)
-        },
+        _ => {
+            let surface = build_model(Model::Armadillo);
+            let top = surface.bounds().max[1] - 0.05;
+            Scene {
+                frames: 3,
+                fine: [8, 16, 32],
+                max_reference_substeps: 0,
+                pins: vertices_where(&surface, |[_, y, _]| y > top),
+                ..Scene::new(name, surface, material(1e-4, Some(1e-1)))
+            }
+        }
     })
 }
 
@@ -141,22 +146,6 @@ fn twisted_ribbon() -> Result<(Surface, Vec<VertexId>), TopologyError> {
     let last = length - 0.5 * size;
     let ends = vertices_where(&surface, |[x, _, _]| x == 0.0 || x > last);
     Ok((surface, ends))
-}
-
-/// The bodies whose frames after a cut are measured.
-pub(super) fn hung_models() -> [Scene; 2] {
-    [("bunny", Model::Bunny), ("armadillo", Model::Armadillo)]
-        .map(|(name, model)| hung_model(name, model))
-}
-
-/// A stiff body pinned at its top.
-fn hung_model(name: &'static str, model: Model) -> Scene {
-    let surface = build_model(model);
-    let top = surface.bounds().max[1] - 0.05;
-    Scene {
-        pins: vertices_where(&surface, |[_, y, _]| y > top),
-        ..Scene::new(name, surface, material(1e-4, Some(1e-1)))
-    }
 }
 
 fn move_all(surface: &mut Surface, to: impl Fn([f32; 3]) -> [f32; 3]) {

@@ -4,9 +4,7 @@ use super::{Claim, Effort, Frame};
 use crate::motion::{self, Body, DT};
 use incise_cut::Sweep;
 use incise_models::{Model, build_model};
-use incise_pbd_gpu::{
-    Collider, InteriorSprings, Material, Scheme, Solver, SolverParams, Stiffness, Volume,
-};
+use incise_pbd_gpu::{Collider, InteriorSprings, Material, Solver, SolverParams, Volume};
 use incise_scene::{BackendChoice, BackendRequest, ContactParams, Scene, SceneParams, SleepParams};
 use std::error::Error;
 
@@ -345,16 +343,10 @@ fn of_scenes(model: Model, on: &BackendRequest) -> [Claim; 8] {
 }
 
 /// Returns the claims about solvers of a model.
-fn of_solvers(model: Model) -> [Claim; 4] {
+fn of_solvers(model: Model) -> [Claim; 3] {
     let bare = Material {
         bending: None,
         ..Material::default()
-    };
-    // Too soft for the global step.
-    let soft = Material {
-        stretch: Stiffness::Compliance(1.0),
-        bending: Some(Stiffness::Compliance(100.0)),
-        ..motion::material()
     };
     let with_volume = Material {
         volume: Some(Volume::default()),
@@ -370,13 +362,6 @@ fn of_solvers(model: Model) -> [Claim; 4] {
         let scene = scene.frame(model, &BackendRequest::default())?;
         Ok([scene, solver_frame(Body { surface, solver }, PARAMS)])
     };
-    let scheme_choice = move || {
-        let frame = |scheme| -> Result<Frame, Box<dyn Error>> {
-            let params = SolverParams { scheme, ..PARAMS };
-            Ok(solver_frame(moving_body(model, &soft)?, params))
-        };
-        Ok([frame(Scheme::Auto)?, frame(Scheme::Sweeps)?])
-    };
     let beside_none = move |is_on: bool| {
         let mut with = moving_body(model, &with_volume)?;
         if !is_on {
@@ -387,14 +372,12 @@ fn of_solvers(model: Model) -> [Claim; 4] {
     };
     let text = [
         "time of a scene's frame, relative to the solver alone",
-        "time of a frame of a soft body that may take the global step, relative to sweeps",
         "time of a frame after volume was turned off, relative to never any",
         "time of a frame with volume, relative to none",
     ];
     [
         Claim::new("absent", text[0], model, 1.02, overhead),
-        Claim::new("absent", text[1], model, 1.02, scheme_choice),
-        Claim::new("absent", text[2], model, 1.02, move || beside_none(false)),
-        Claim::new("volume", text[3], model, 2.0, move || beside_none(true)),
+        Claim::new("absent", text[1], model, 1.02, move || beside_none(false)),
+        Claim::new("volume", text[2], model, 2.0, move || beside_none(true)),
     ]
 }
