@@ -92,11 +92,11 @@ fn parameters_are_set_and_read_by_name() {
         assert_eq!(set_number(c"substep", 0.002), Status::Ok);
         assert_eq!(set(c"solver.residual", c"1e-6"), Status::Ok);
         assert_eq!(set(c"gravity", c"0,-1,0"), Status::Ok);
-        assert_eq!(set(c"scheme", c"auto"), Status::Ok);
+        assert_eq!(set(c"integrator", c"bdf2"), Status::Ok);
         assert_eq!(set_number(c"contacts.enabled", 1.0), Status::Ok);
         for (name, value) in [
             (c"substep", c"0"),
-            (c"scheme", c"fast"),
+            (c"integrator", c"fast"),
             (c"substeps", c"1"),
         ] {
             assert_eq!(set(name, value), Status::InvalidArgument, "{name:?}");
@@ -110,7 +110,7 @@ fn parameters_are_set_and_read_by_name() {
         assert_eq!(number(c"substep"), Ok(0.001_388_888_9));
         assert_eq!(number(c"contacts.enabled"), Ok(0.0));
         assert_eq!(number(c"solver.residual"), Ok(1e-6));
-        assert_eq!(number(c"scheme").err(), Some(Status::InvalidArgument));
+        assert_eq!(number(c"integrator").err(), Some(Status::InvalidArgument));
         let text = |name: &CStr| {
             let (mut text, mut length) = ([0; 64], MaybeUninit::uninit());
             let out = text.as_mut_ptr();
@@ -143,7 +143,7 @@ fn parameters_are_set_and_read_by_name() {
         assert_eq!(statistic(c"fell_back"), Ok(0.0));
         assert!(statistic(c"seconds.total").is_ok_and(|seconds| seconds > 0.0));
         assert_eq!(statistic(c"cats").err(), Some(Status::InvalidArgument));
-        assert_eq!(text(c"scheme"), "auto");
+        assert_eq!(text(c"integrator"), "bdf2");
         assert_eq!(text(c"cut.caps"), "bodies");
         let ball = get(|out| mesh::incise_mesh_model(c"Sphere80".as_ptr(), out)).expect("a model");
         let body =

@@ -2,9 +2,6 @@
 
 /// Declares an enum whose variants are names, with `Default` for the first one.
 ///
-/// A variant that needs a feature is followed by `if` and the feature's name. In files and other
-/// languages it has its name also without the feature, where setting it is an error.
-///
 /// ```
 /// incise_params::choices! {
 ///     /// Time integration.
@@ -26,37 +23,32 @@ macro_rules! choices {
         $(#[$meta:meta])*
         $vis:vis enum $name:ident {$(
             $(#[doc = $doc:literal])+
-            $variant:ident = $text:literal $(if $feature:literal)?,
+            $variant:ident = $text:literal,
         )+}
     ) => {
         $(#[$meta])*
         $vis enum $name {$(
             $(#[doc = $doc])+
-            $(#[cfg(feature = $feature)])?
             $variant,
         )+}
 
         impl $name {
-            /// Names of all variants, whether their features are enabled or not.
+            /// Names of all variants.
             pub const NAMES: &'static [&'static str] = &[$($text),+];
 
             /// Returns the name in files and other languages.
             #[must_use]
             pub const fn name(self) -> &'static str {
-                match self {$(
-                    $(#[cfg(feature = $feature)])?
-                    Self::$variant => $text,
-                )+}
+                match self {
+                    $(Self::$variant => $text,)+
+                }
             }
 
-            /// Returns the variant of a name; `None` for one that needs a feature.
+            /// Returns the variant of a name.
             #[must_use]
             pub fn from_name(name: &str) -> Option<Self> {
                 match name {
-                    $(
-                        $(#[cfg(feature = $feature)])?
-                        $text => Some(Self::$variant),
-                    )+
+                    $($text => Some(Self::$variant),)+
                     _ => None,
                 }
             }
@@ -64,8 +56,8 @@ macro_rules! choices {
 
         impl ::core::default::Default for $name {
             fn default() -> Self {
-                let mut all = Self::NAMES.iter().filter_map(|name| Self::from_name(name));
-                all.next().expect("the first variant needs no feature")
+                let [first, ..] = [$(Self::$variant),+];
+                first
             }
         }
 
@@ -87,14 +79,6 @@ macro_rules! choices {
                 // `none` may be a name.
                 let name = value.to_string();
                 let found = Self::from_name(&name);
-                $($(
-                    if name == $text && found.is_none() {
-                        return Err($crate::ParamError::wrong_value(
-                            value,
-                            concat!("another one in a build without the feature ", $feature),
-                        ));
-                    }
-                )?)+
                 let wrong = || match value {
                     $crate::Value::Text(_) => $crate::ParamError::wrong_value(value, Self::KIND),
                     _ => $crate::ParamError::wrong_type(value, Self::KIND),
@@ -115,8 +99,7 @@ macro_rules! choices {
     };
 }
 
-/// Implements serde's traits: the name in self-describing formats, else the number of the variant,
-/// which does not depend on features.
+/// Implements serde's traits: the name in self-describing formats, else the number of the variant.
 #[cfg(feature = "serde")]
 #[doc(hidden)]
 #[macro_export]
@@ -150,7 +133,7 @@ macro_rules! __serde_choices {
                 let name = Self::NAMES.get(number as usize);
                 name.and_then(|name| Self::from_name(name)).ok_or_else(|| {
                     $crate::macros::serde::de::Error::custom(format_args!(
-                        "there is no choice {number}, or it needs a feature"
+                        "there is no choice {number}"
                     ))
                 })
             }

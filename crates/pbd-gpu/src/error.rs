@@ -168,8 +168,8 @@ pub enum StepError {
     },
     /// The GPU backend supports surfaces with implicit Euler only.
     #[error(
-        "the GPU backend supports sweeps over surfaces with implicit Euler only; use \
-         Scheme::Sweeps and Integrator::Euler, or step on the CPU, as solids need"
+        "the GPU backend supports surfaces with implicit Euler only; use Integrator::Euler, or \
+         step on the CPU, as solids need"
     )]
     UnsupportedOnGpu,
     /// The surface was edited, but the delta was not applied to the solver.

@@ -3,8 +3,6 @@
 mod constraints;
 mod error;
 mod follow;
-#[cfg(feature = "global")]
-mod global;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod interior;
@@ -28,8 +26,6 @@ pub use constraints::volumes::{PieceVolume, VolumeSet};
 pub use error::{ConstraintError, InvalidConstraints, StepError};
 #[cfg(feature = "serde")]
 pub use error::{InvalidSolver, LoadError};
-#[cfg(feature = "global")]
-pub use global::GlobalStats;
 #[cfg(feature = "gpu")]
 pub use gpu::{
     AdapterKind, AdapterLimits, AdapterRequest, AdapterSummary, Context, GpuBackend, GpuBody,
@@ -41,7 +37,7 @@ pub use patches::{PATCH_VERTICES, PatchParams};
 pub use solver::Solver;
 pub use step::constants::{Projection, StepConstants, VolumeProjection};
 pub use step::island::{Island, IslandBody, IslandError};
-pub use step::params::{Integrator, Scheme, SolverParams, StepStats};
+pub use step::params::{Integrator, SolverParams, StepStats};
 pub use step::pass::{ConstraintKind, Pass};
 pub use step::plan::StepPlan;
 #[cfg(feature = "gpu")]

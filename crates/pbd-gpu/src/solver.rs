@@ -10,8 +10,6 @@ mod join;
 #[cfg(feature = "serde")]
 mod load;
 mod particles;
-#[cfg(feature = "global")]
-mod scheme;
 mod solid;
 
 use crate::constraints::Constraints;
@@ -33,7 +31,7 @@ use crate::step::guard::{GuardInputs, GuardedBody};
 use crate::step::island::{Island, IslandError};
 use crate::step::params::{SolverParams, StepStats};
 use crate::step::plan::StepPlan;
-use crate::step::prepare::{FrameInputs, prepare, takes_global_step};
+use crate::step::prepare::{FrameInputs, prepare};
 use crate::step::substeps::{Lengths, Substeps, parts};
 use incise_mesh::Surface;
 
@@ -185,8 +183,6 @@ impl Solver {
     /// Records a step, whose statistics are `None` if it failed.
     pub(crate) fn end_step(&mut self, stats: Option<StepStats>) {
         self.follow.log.mark_all();
-        #[cfg(feature = "global")]
-        self.record_failed_search();
         if let Some(stats) = stats {
             self.step.stats = stats;
         }
@@ -280,7 +276,7 @@ impl Solver {
         if let (Some(interior), Some(solid)) = (&self.constraints.interior, &self.material.solid) {
             return interior.needed_parts(solid, h);
         }
-        if self.constraints.colliders.planes().is_empty() || takes_global_step(&self.step, params) {
+        if self.constraints.colliders.planes().is_empty() {
             return 1;
         }
         let body = Lengths {
@@ -354,8 +350,7 @@ impl Solver {
 
     /// Returns the allocated size of all arrays in elements.
     ///
-    /// It is constant without edits, because a step does not allocate once warm. The factor of the
-    /// global step counts with its scratch memory, as numbers of 64 bits.
+    /// It is constant without edits, because a step does not allocate once warm.
     #[must_use]
     pub fn capacity(&self) -> usize {
         self.particles.capacity()

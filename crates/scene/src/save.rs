@@ -10,10 +10,7 @@ use crate::error::SceneError;
 use crate::scene::Scene;
 use incise_cut::CutError;
 use incise_mesh::{ArchiveError, FileKind, InvalidBvh, read_archive, write_archive};
-use incise_pbd_gpu::{InvalidSolver, Scheme};
-
-/// The scheme of the global step, and the feature that it needs.
-const GLOBAL: &str = "global";
+use incise_pbd_gpu::InvalidSolver;
 
 /// An error of saving a scene.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -106,35 +103,20 @@ impl Scene {
             let body = self.body_id(i);
             saved.map_err(|error| SaveError::Body { body, error })?;
         }
-        Ok(write_archive(
-            FileKind::Scene,
-            &(self.needs_global(), &*self),
-        )?)
-    }
-
-    /// Returns whether only builds with the feature `global` can load the scene.
-    fn needs_global(&self) -> bool {
-        let mut bodies = self.bodies.iter().flatten();
-        self.params.solver.scheme.name() == GLOBAL
-            || bodies.any(|body| body.solver().has_global_step())
+        Ok(write_archive(FileKind::Scene, &*self)?)
     }
 
     /// Loads a scene of [`Scene::save`].
     ///
-    /// Its frames give the same bits as those of the saved scene, on any number of threads. Those
-    /// of [`Scheme::Global`](incise_pbd_gpu::Scheme) do so on CPUs with the same instruction set.
-    /// The scene is on the CPU. Its ids are those of [`Scene::bodies`] and [`Scene::blades`], in
-    /// the order of the saved scene; ids of the saved scene are unknown to it.
+    /// Its frames give the same bits as those of the saved scene, on any number of threads. The
+    /// scene is on the CPU. Its ids are those of [`Scene::bodies`] and [`Scene::blades`], in the
+    /// order of the saved scene; ids of the saved scene are unknown to it.
     ///
     /// # Errors
-    /// [`LoadError`], also [`ArchiveError::MissingFeature`] for a scene with the global step in a
-    /// build without it.
+    /// [`LoadError`].
     pub fn load(bytes: &[u8]) -> Result<Self, LoadError> {
         let archive = read_archive(FileKind::Scene, bytes)?;
-        if Scheme::from_name(GLOBAL).is_none() && archive.first()? {
-            return Err(ArchiveError::MissingFeature { feature: GLOBAL }.into());
-        }
-        let (_, mut scene): (bool, Self) = archive.content()?;
+        let mut scene: Self = archive.content()?;
         let is_finite =
             |blade: &Blade| blade.face.is_none_or(|to| to.iter().all(|c| c.is_finite()));
         if !scene.blades.iter().all(is_finite) {

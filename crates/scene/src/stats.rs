@@ -49,14 +49,6 @@ incise_params::report! {
         woken: u32;
         /// CPU solver iterations saved, see [`incise_pbd_gpu::SolverParams::residual`].
         iterations_skipped: u32;
-        /// Bodies that took the global step, see [`incise_pbd_gpu::Scheme`].
-        global_bodies: u32;
-        /// Memory of their global steps.
-        global_bytes: usize, unit: "bytes";
-        /// Longest time of the last factorization of a body, mostly in the background.
-        factor_seconds: f64, unit: "s";
-        /// Greatest age of a factor in use, in frames since its constraints were copied.
-        factor_age: u32;
         /// Bodies that the GPU steps.
         gpu_bodies: u32;
         /// GPU bodies stepped by one workgroup each, see [`incise_pbd_gpu::Schedule`].

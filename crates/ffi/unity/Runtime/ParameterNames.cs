@@ -23,8 +23,6 @@ namespace Incise
         public const string SolverConserve = "solver.conserve";
         /// <summary>Enables long range attachments of inextensible, pinned bodies.</summary>
         public const string SolverAttachments = "solver.attachments";
-        /// <summary>Solution of the constraints of a substep. `global` needs the feature of this name, which the program and the packages for other languages do not have.</summary>
-        public const string SolverScheme = "solver.scheme";
         /// <summary>Time integration of a substep.</summary>
         public const string SolverIntegrator = "solver.integrator";
         /// <summary>Maximum number of threads of a step on the CPU; `None` for all of the current rayon pool.</summary>
@@ -196,14 +194,6 @@ namespace Incise
         public const string Woken = "woken";
         /// <summary>CPU solver iterations saved, see `incise_pbd_gpu::SolverParams::residual`.</summary>
         public const string IterationsSkipped = "iterations_skipped";
-        /// <summary>Bodies that took the global step, see `incise_pbd_gpu::Scheme`.</summary>
-        public const string GlobalBodies = "global_bodies";
-        /// <summary>Memory of their global steps.</summary>
-        public const string GlobalBytes = "global_bytes";
-        /// <summary>Longest time of the last factorization of a body, mostly in the background.</summary>
-        public const string FactorSeconds = "factor_seconds";
-        /// <summary>Greatest age of a factor in use, in frames since its constraints were copied.</summary>
-        public const string FactorAge = "factor_age";
         /// <summary>Bodies that the GPU steps.</summary>
         public const string GpuBodies = "gpu_bodies";
         /// <summary>GPU bodies stepped by one workgroup each, see `incise_pbd_gpu::Schedule`.</summary>

@@ -118,12 +118,6 @@ pub enum ArchiveError {
     /// The content is not of the format.
     #[error("the content of the file does not have the format of its version")]
     Malformed,
-    /// A file needs a feature that this build does not have.
-    #[error("the file needs the feature {feature}, which this build does not have")]
-    MissingFeature {
-        /// The name of the feature.
-        feature: &'static str,
-    },
     /// A surface is invalid.
     #[error("surface: {0}")]
     Surface(#[from] InvalidSurface),
@@ -208,15 +202,6 @@ fn checksum(bytes: &[u8]) -> u32 {
 }
 
 impl Archive<'_> {
-    /// Decodes the first part of the content, for example a flag that decides about the others.
-    ///
-    /// # Errors
-    /// [`ArchiveError::Malformed`].
-    pub fn first<T: DeserializeOwned>(&self) -> Result<T, ArchiveError> {
-        let decoded = postcard::take_from_bytes(self.content);
-        decoded.map_or(Err(ArchiveError::Malformed), |(first, _)| Ok(first))
-    }
-
     /// Decodes the content.
     ///
     /// Memory is proportional to the length of the file.

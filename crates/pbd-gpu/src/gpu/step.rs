@@ -107,8 +107,6 @@ impl GpuBackend {
                 solver.follow_guard(guard);
             }
             has_guard |= guard.is_some();
-            #[cfg(feature = "global")]
-            solver.record_sweeps();
             frame = FrameUniform {
                 measures_motion: frame.measures_motion,
                 ..frame_record(&constants, params)

@@ -81,13 +81,6 @@ impl Solver {
         self.constraints.contacts.clear();
         self.constraints.attachments.invalidate();
         self.step.plan.invalidate();
-        #[cfg(feature = "global")]
-        {
-            self.step.extent = None;
-            if let Some(global) = &mut self.step.global {
-                global.follow_edit(surface, delta);
-            }
-        }
         Ok(())
     }
 

@@ -12,32 +12,22 @@ impl Solver {
     /// [`ArchiveError`] if the surface is invalid, for example after a position became infinite.
     pub fn save(&self, surface: &Surface) -> Result<Vec<u8>, ArchiveError> {
         surface.check_save()?;
-        write_archive(FileKind::Body, &(self.has_global_step(), surface, self))
+        write_archive(FileKind::Body, &(surface, self))
     }
 
     /// Loads a surface and its solver from a file of [`Solver::save`].
     ///
     /// Later steps and edits give the same bits as those of the saved solver. Loading takes time in
-    /// proportion to the size of the body, and with a global step that of its factorization.
+    /// proportion to the size of the body.
     ///
     /// # Errors
-    /// [`LoadError`], also [`ArchiveError::MissingFeature`] for a solver with a global step in a
-    /// build without it.
+    /// [`LoadError`].
     pub fn load(bytes: &[u8]) -> Result<(Surface, Self), LoadError> {
         let archive = read_archive(FileKind::Body, bytes)?;
-        if !cfg!(feature = "global") && archive.first()? {
-            return Err(ArchiveError::MissingFeature { feature: "global" }.into());
-        }
-        let (_, mut surface, mut solver): (bool, Surface, Self) = archive.content()?;
+        let (mut surface, mut solver): (Surface, Self) = archive.content()?;
         surface.finish_load()?;
         solver.finish_load(&surface)?;
         Ok((surface, solver))
-    }
-
-    /// Returns whether the solver has a global step, which only builds with it can load.
-    #[must_use]
-    pub fn has_global_step(&self) -> bool {
-        self.step.global.is_some()
     }
 
     /// Completes and validates a solver that was read with serde, for its valid surface.

@@ -112,13 +112,6 @@ impl Solver {
             surface.positions_mut()[v.index()][3] = inverse_mass;
         }
         self.follow.log.mark_mass(v);
-        #[cfg(feature = "global")]
-        {
-            self.step.extent = None;
-            if let Some(global) = &mut self.step.global {
-                global.follow_masses();
-            }
-        }
         Ok(())
     }
 

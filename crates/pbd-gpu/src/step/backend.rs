@@ -75,8 +75,7 @@ pub(crate) struct NonFinite {
 
 /// Steps the bodies of an island by a range of the substeps of a frame, in lockstep.
 ///
-/// The results have the same bits on every machine and any number of threads. The global step
-/// depends on the instruction set.
+/// The results have the same bits on every machine and any number of threads.
 pub(crate) fn execute(
     bodies: &mut [IslandBody<'_>],
     members: &mut [Member],

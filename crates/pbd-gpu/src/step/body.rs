@@ -48,9 +48,6 @@ pub(crate) struct Body<'a> {
     pub(crate) attachments: &'a [LongRangeAttachment],
     /// The cells of a solid, whose particles are nodes.
     pub(crate) solid: Option<SolidArrays<'a>>,
-    /// The global step, if the body takes it.
-    #[cfg(feature = "global")]
-    pub(crate) global: Option<&'a mut crate::global::GlobalStep>,
 }
 
 /// The arrays of a solid, besides those of its nodes.
@@ -163,8 +160,6 @@ impl<'a> Body<'a> {
             patches: &mut constraints.patch_contents,
             pins: &particles.pins,
             attachments: constraints.attachments.list(),
-            #[cfg(feature = "global")]
-            global: None,
         }
     }
 }

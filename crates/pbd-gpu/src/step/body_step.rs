@@ -86,32 +86,6 @@ impl BatchSweep<'_, '_, '_> {
     }
 }
 
-/// Runs a pass of the global step and adds it to the statistics.
-#[cfg(feature = "global")]
-fn global_pass(
-    particles: ParticleStates<'_>,
-    body: &mut Body<'_>,
-    constants: &StepConstants,
-    stats: &mut StepStats,
-    pass: Pass,
-) {
-    let sets = crate::global::EnergySets {
-        stretch: body.stretch,
-        bending: body.bending.as_deref(),
-        interior_springs: body.interior_springs.as_deref(),
-    };
-    let Some(global) = &mut body.global else {
-        return;
-    };
-    match pass {
-        Pass::BeginGlobal => global.begin(particles, sets, constants),
-        _ => {
-            let sets = (sets, &*body.volumes);
-            stats.global_iterations += global.iterate(particles, sets, constants);
-        }
-    }
-}
-
 impl BodyStep<'_, '_, '_> {
     /// Projects the constraints of all patches of a layer, in reverse order on the way back.
     pub(super) fn project_patches(&mut self, layer: usize, is_back: bool) {
@@ -229,10 +203,6 @@ impl BodyStep<'_, '_, '_> {
                         stats.interior_spring_projections += count;
                     }
                 }
-            }
-            Pass::BeginGlobal | Pass::GlobalIteration => {
-                #[cfg(feature = "global")]
-                global_pass(particles, body, constants, stats, pass);
             }
             // `Frame` projects the contacts of the island.
             Pass::ContactFeatures

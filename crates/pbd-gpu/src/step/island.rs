@@ -5,8 +5,6 @@
 
 use crate::constraints::contacts::{Contact, ContactSet, LoadRatio};
 use crate::error::{ConstraintError, StepError};
-#[cfg(feature = "global")]
-use crate::global::{Choice, SHORT_SUBSTEPS_PER_ITERATION};
 use crate::kernels::integrate::first_non_finite;
 use crate::solver::Solver;
 use crate::step::backend::{NonFinite, StepScratch, execute};
@@ -151,18 +149,12 @@ impl Island {
         params
             .check(dt)
             .map_err(|error| IslandError { body: 0, error })?;
-        #[cfg(feature = "global")]
-        let (params, short_substeps) = &self.choose_schemes(bodies, dt, params);
-        #[cfg(not(feature = "global"))]
-        let (params, short_substeps) = (params, &1);
-        let short_substeps = *short_substeps;
         // Bodies that were created at different times may have different remainders, by less
         // than a substep. In lockstep that of the first one holds for all.
         let (substeps, time_left) = match bodies.first() {
             Some((first, _)) => first.substeps_of(dt, params),
             None => Default::default(),
         };
-        let substeps = substeps.divided(short_substeps);
         let needed = bodies
             .iter_mut()
             .map(|(solver, _)| solver.needed_parts(substeps.h, params));
@@ -196,46 +188,6 @@ impl Island {
                 .push(member.map_err(|error| IslandError { body, error })?);
         }
         Ok(())
-    }
-
-    /// Chooses the scheme of each body, and returns the parameters of all, and the number of parts
-    /// of their substeps.
-    ///
-    /// Obstacles and contacts would undo iterations of the global step, and these would undo
-    /// projections. So an island has short substeps of sweeps if a body touches something, or its
-    /// line search has failed.
-    #[cfg(feature = "global")]
-    fn choose_schemes(
-        &self,
-        bodies: &mut [IslandBody<'_>],
-        dt: f32,
-        params: &SolverParams,
-    ) -> (SolverParams, u32) {
-        let is_touched = !self.contacts.is_empty();
-        let (mut has_short_substeps, mut is_settling) = (false, false);
-        for (solver, surface) in bodies {
-            let choice = solver.choose_scheme(surface, is_touched, dt, params);
-            has_short_substeps |= choice == Choice::ShortSubsteps;
-            is_settling |= choice == Choice::Settling;
-        }
-        let (parts, iterations) = if has_short_substeps {
-            let iterations = params.iterations;
-            (iterations.saturating_mul(SHORT_SUBSTEPS_PER_ITERATION), 1)
-        } else {
-            (1, params.iterations)
-        };
-        let params = SolverParams {
-            iterations,
-            // Second-order sweeps of stiff bodies add energy in contact. Settling changes the
-            // displacements that BDF2 extrapolates.
-            integrator: if has_short_substeps || is_settling {
-                Integrator::Euler
-            } else {
-                params.integrator
-            },
-            ..*params
-        };
-        (params, parts)
     }
 
     /// Steps the prepared bodies by one frame.
@@ -323,14 +275,6 @@ fn prepare_member(
     solver.adopt_edits(surface);
     let constants = solver.prepare(frame, params)?;
     let orders = both_orders(solver.material(), &frame, params);
-    #[cfg(feature = "global")]
-    {
-        let of = match params.integrator {
-            Integrator::Euler => &constants,
-            Integrator::Bdf2 => &orders.second,
-        };
-        solver.prepare_global(surface, of, params);
-    }
     let guard = solver.prepare_guard(&constants, has_contacts, params);
     let (_, constraints, _) = solver.step_parts();
     constraints.update_patch_contents();

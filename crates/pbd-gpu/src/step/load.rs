@@ -27,16 +27,11 @@ impl StepState {
         (self.plan).finish_load(stretch, bending, springs, cells);
         self.history.validate(slots)?;
         let mean = self.mean_rest_length.unwrap_or_default();
-        let is_valid = self.settling_time_left.is_finite() && mean.is_finite();
         let EnergyBudget { slack, age } = self.budget;
-        let is_valid = is_valid && slack >= 0.0 && age >= 0.0 && age.is_finite();
+        let is_valid = mean.is_finite() && slack >= 0.0 && age >= 0.0 && age.is_finite();
         if !(is_valid && (0.0..=1.0).contains(&self.time_left)) {
             let array = "times of the last step";
             return Err(InvalidSolver::Array { array });
-        }
-        #[cfg(feature = "global")]
-        if let Some(global) = &mut self.global {
-            global.finish_load(slots)?;
         }
         Ok(())
     }

@@ -10,10 +10,9 @@ incise_params::params! {
     /// Parameters of a frame. The y axis points up.
     ///
     /// By default there are 720 substeps a second of one iteration, near the smallest error in the
-    /// same time (`docs/benchmarks.md`). Soft sheets gain from [`Integrator::Bdf2`], large and
-    /// stiff bodies from [`Scheme::Auto`] with two substeps of four iterations a frame. More
-    /// iterations in fewer substeps of sweeps have larger errors (Macklin et al. 2019, "Small
-    /// Steps in Physics Simulation").
+    /// same time (`docs/benchmarks.md`). Soft sheets gain from [`Integrator::Bdf2`]. More
+    /// iterations in fewer substeps have larger errors (Macklin et al. 2019, "Small Steps in
+    /// Physics Simulation").
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct SolverParams {
         /// Symmetric iterations per substep, usually 1 to 10.
@@ -43,7 +42,7 @@ incise_params::params! {
         /// Share of the last internal displacement that the prediction of a substep repeats.
         ///
         /// It removes most of the dissipation of implicit Euler. Values up to 1/2 keep every linear
-        /// mode stable. [`Integrator::Bdf2`], the global step and bodies in contact have none.
+        /// mode stable. [`Integrator::Bdf2`] and bodies in contact have none.
         lift: f32 = 0.48, range: Range::at_least(0.0).up_to(0.5);
         /// Gravitational acceleration.
         gravity: [f32; 3] = [0.0, -9.81, 0.0], unit: "m/s^2";
@@ -71,9 +70,6 @@ incise_params::params! {
         ///
         /// They cost one pass per iteration for such bodies.
         attachments: bool = true;
-        /// Solution of the constraints of a substep. `global` needs the feature of this name, which
-        /// the program and the packages for other languages do not have.
-        scheme: Scheme = Scheme::Sweeps;
         /// Time integration of a substep.
         integrator: Integrator = Integrator::Euler;
         /// Maximum number of threads of a step on the CPU; `None` for all of the current rayon
@@ -81,51 +77,8 @@ incise_params::params! {
         ///
         /// The results do not depend on it. One thread is the calling thread: no pool is touched.
         /// Threads share the passes of large bodies, and small bodies of an island that has many;
-        /// other small bodies take one. With more than one, the global step factors its matrix
-        /// after an edit on a background thread outside the pool.
+        /// other small bodies take one.
         threads: Option<NonZeroUsize> = None, range: Range::at_least(1.0);
-    }
-}
-
-incise_params::choices! {
-    /// Solution of the constraints of a substep.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-    #[non_exhaustive]
-    pub enum Scheme {
-        /// Projections, color by color. They cost least and carry a load by one edge per iteration.
-        Sweeps = "sweeps",
-        /// Iterations of a global quasi-Newton step, which carry a load through the whole body.
-        ///
-        /// An iteration takes about as long as two of sweeps in small bodies, and as seven in
-        /// bodies of 30,000 triangles. Use it for large and stiff bodies, with one or two substeps
-        /// of four to eight iterations. A body with a rigid or a PBD
-        /// stiffness has no energy to minimize and takes sweeps, and so does a volume with a
-        /// compressibility or a pressure other than 1. The GPU backend does not support it. Results
-        /// depend on the instruction set of the CPU, not on the number of threads. A body of more
-        /// than 4,096 vertices makes a quarter of the iterations in the frame of an edit, which
-        /// prepares a matrix of the changed region.
-        ///
-        /// A body that may touch another piece or a collider takes first-order sweeps
-        /// in that frame, with all bodies of its island. Each iteration becomes four substeps.
-        /// After sweeps a body settles for up to three seconds, with implicit Euler, until its
-        /// elastic energy is small. A settling substep limits the kinetic energy relative to rigid
-        /// pieces to that of its start, or that of 0.2 body diagonals per second. A body whose line
-        /// search fails takes sweeps for up to a quarter of a second first.
-        Global = "global" if "global",
-        /// The global step for large bodies that are stiff in stretch and bending, sweeps for
-        /// others.
-        ///
-        /// A body takes the global step if its largest piece has 128 vertices or more, and waves of
-        /// stretch and bending travel 24 edges per frame or more. Once chosen, it is kept down to
-        /// 0.8 of this limit. With the stretch compliance `c`, the mean mass `m` of a vertex and
-        /// the frame `dt` this is `dt / sqrt(c m)`. With the bending compliance it is divided by
-        /// the mean rest length. The sizes are measured at creation and after edits, so the choice
-        /// is the same on every machine. Substeps of one iteration take sweeps, and so do bodies in
-        /// contact, as with [`Scheme::Global`]. With one or two substeps of two to four iterations
-        /// such bodies are on or near the work-precision Pareto front of `incise-bench accuracy`.
-        /// The GPU backend does not support it. Without the feature `global` all bodies take
-        /// sweeps.
-        Auto = "auto",
     }
 }
 
@@ -161,7 +114,6 @@ impl SolverParams {
             diagonal_scale: 1.0,
             conserve: false,
             attachments: false,
-            scheme: Scheme::Sweeps,
             integrator: Integrator::Euler,
             threads: None,
         }
@@ -185,7 +137,7 @@ impl SolverParams {
     /// Returns whether the GPU backend can step bodies with these parameters.
     #[must_use]
     pub fn is_supported_on_gpu(&self) -> bool {
-        self.integrator == Integrator::Euler && self.scheme == Scheme::Sweeps
+        self.integrator == Integrator::Euler
     }
 
     /// Maximum number of iterations, and of substeps of a frame.
@@ -240,8 +192,6 @@ pub struct StepStats {
     pub stretch_projections: u64,
     /// Bending constraints projected.
     pub bending_projections: u64,
-    /// Iterations of the global step.
-    pub global_iterations: u32,
     /// Interior springs projected.
     pub interior_spring_projections: u64,
     /// Contacts tested, whether active or not.

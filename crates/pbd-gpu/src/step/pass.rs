@@ -42,8 +42,6 @@ pub enum Pass {
     ContactFeatures,
     /// Sets all multipliers to zero.
     ResetMultipliers,
-    /// Starts the [global step](crate::Scheme) from the predicted displacements.
-    BeginGlobal,
     /// Pulls vertices back that are too far from their pinned anchor.
     LongRangeAttachments,
     /// Pulls pinned vertices of a solid and pushes vertices out of colliders before its cells.
@@ -73,8 +71,6 @@ pub enum Pass {
         /// The batch in the set of that kind; the overflow reverses its inner order.
         batch: BatchId,
     },
-    /// Runs an iteration of the global step, in place of projections.
-    GlobalIteration,
     /// Projects contacts before volumes, in a body that has both.
     ///
     /// The volumes pass then restores in the same substep the volume that contacts removed.
@@ -121,14 +117,12 @@ impl Pass {
             Self::Pins => stage(1),
             Self::ContactFeatures => stage(2),
             Self::ResetMultipliers => stage(3),
-            Self::BeginGlobal => stage(4),
-            Self::LongRangeAttachments => stage(5),
-            Self::GlobalIteration => stage(6),
-            Self::SolidSupports => stage(7),
-            Self::Cells(batch) => (8, 0, None, Some(batch), None),
-            Self::SolidPins => stage(9),
+            Self::LongRangeAttachments => stage(4),
+            Self::SolidSupports => stage(5),
+            Self::Cells(batch) => (6, 0, None, Some(batch), None),
+            Self::SolidPins => stage(7),
             Self::Project { kind, batch } => (
-                10 + kind.stage(),
+                8 + kind.stage(),
                 batch.layer(),
                 Some(kind),
                 Some(batch),
@@ -137,15 +131,15 @@ impl Pass {
             Self::ProjectBack { kind, batch } => {
                 let (stage, layer) = (Reverse(kind.stage()), Reverse(batch.layer()));
                 let reverse = (stage, layer, Reverse(kind), Reverse(batch));
-                (12, 0, None, None, Some(reverse))
+                (10, 0, None, None, Some(reverse))
             }
-            Self::ContactsBeforeVolumes => stage(13),
-            Self::CollidersBeforeVolumes => stage(14),
-            Self::Volumes => stage(15),
-            Self::Contacts => stage(16),
-            Self::Colliders => stage(17),
-            Self::ContactRecovery => stage(18),
-            Self::Integrate => stage(19),
+            Self::ContactsBeforeVolumes => stage(11),
+            Self::CollidersBeforeVolumes => stage(12),
+            Self::Volumes => stage(13),
+            Self::Contacts => stage(14),
+            Self::Colliders => stage(15),
+            Self::ContactRecovery => stage(16),
+            Self::Integrate => stage(17),
         }
     }
 

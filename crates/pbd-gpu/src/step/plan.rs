@@ -15,8 +15,6 @@ pub(crate) struct PlanKey {
     pub(crate) contact_rounds: u32,
     pub(crate) pins: bool,
     pub(crate) attachments: bool,
-    /// Whether the global step replaces projections.
-    pub(crate) global: bool,
     pub(crate) volumes: bool,
     pub(crate) contacts: bool,
     pub(crate) colliders: bool,
@@ -79,12 +77,6 @@ impl StepPlan {
     #[must_use]
     pub fn epilogue(&self) -> &[Pass] {
         &self.epilogue
-    }
-
-    /// Returns whether the global step replaces projections.
-    #[cfg(feature = "global")]
-    pub(crate) fn has_global_step(&self) -> bool {
-        self.key.global
     }
 
     /// Returns all passes of one substep in order of execution.
@@ -169,16 +161,12 @@ impl StepPlan {
         push_if(&mut self.prologue, key.pins && cells.is_none(), Pass::Pins);
         push_if(&mut self.prologue, key.contacts, Pass::ContactFeatures);
         push_if(&mut self.prologue, key.multipliers, Pass::ResetMultipliers);
-        push_if(&mut self.prologue, key.global, Pass::BeginGlobal);
         self.iteration.clear();
         let list = &mut self.iteration;
         push_if(list, key.attachments, Pass::LongRangeAttachments);
-        push_if(list, key.global, Pass::GlobalIteration);
-        if !key.global {
-            push_batches(list, ConstraintKind::Stretch, Some(stretch));
-            push_batches(list, ConstraintKind::Bending, bending);
-            push_batches(list, ConstraintKind::InteriorSpring, interior_springs);
-        }
+        push_batches(list, ConstraintKind::Stretch, Some(stretch));
+        push_batches(list, ConstraintKind::Bending, bending);
+        push_batches(list, ConstraintKind::InteriorSpring, interior_springs);
         let is_supported = (key.pins || key.colliders) && cells.is_some();
         push_if(list, is_supported, Pass::SolidSupports);
         for number in cells.into_iter().flat_map(CellSet::numbers) {
@@ -253,7 +241,6 @@ mod tests {
             contact_rounds: 2,
             pins: true,
             attachments: true,
-            global: false,
             volumes: true,
             contacts: true,
             colliders: true,

@@ -9,8 +9,6 @@ use crate::particles::Particles;
 use crate::step::StepState;
 use crate::step::constants::StepConstants;
 use crate::step::constants::{Projection, VolumeProjection};
-#[cfg(feature = "global")]
-use crate::step::params::Scheme;
 use crate::step::params::{Integrator, SolverParams};
 use crate::step::plan::PlanKey;
 use crate::step::second_order::{Orders, SUBSTEP_RATIO};
@@ -44,12 +42,11 @@ pub(crate) fn prepare(
     params: &SolverParams,
 ) -> Result<StepConstants, StepError> {
     let h = frame.substeps.h;
-    let global = takes_global_step(step, params);
     let rounds = frame.contact_rounds;
     // Contacts act and end at once. Only the dissipation of implicit Euler brings stacks to rest.
     let is_smooth = !frame.has_contacts && constraints.contacts.is_empty();
     let lift = match params.integrator {
-        Integrator::Euler if is_smooth && !global => params.lift,
+        Integrator::Euler if is_smooth => params.lift,
         _ => 0.0,
     };
     let mut constants = constants_of(material, &frame, h, lift, params);
@@ -84,7 +81,6 @@ pub(crate) fn prepare(
     }
     let key = PlanKey {
         attachments,
-        global,
         iterations: params.iterations,
         contact_rounds: rounds,
         pins: !particles.pins.is_empty(),
@@ -97,19 +93,6 @@ pub(crate) fn prepare(
     let (bending, springs) = (bending.as_ref(), interior_springs.as_ref());
     (step.plan).update(key, stretch, bending, springs, cells);
     Ok(constants)
-}
-
-/// Returns whether the global step replaces the projections of a body.
-#[cfg(feature = "global")]
-pub(crate) fn takes_global_step(step: &StepState, params: &SolverParams) -> bool {
-    // The choice is that of the last frame on the CPU; the GPU steps with sweeps only.
-    step.choice.is_global() && params.scheme != Scheme::Sweeps
-}
-
-/// Returns false for every body: the global step is not compiled.
-#[cfg(not(feature = "global"))]
-pub(crate) fn takes_global_step(_: &StepState, _: &SolverParams) -> bool {
-    false
 }
 
 /// Returns the constants of single substeps of first and second order, for BDF2.

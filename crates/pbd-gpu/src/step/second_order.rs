@@ -159,7 +159,6 @@ pub(crate) fn add(sum: &mut StepStats, stats: &StepStats) {
     sum.cell_projections += stats.cell_projections;
     sum.stretch_projections += stats.stretch_projections;
     sum.bending_projections += stats.bending_projections;
-    sum.global_iterations += stats.global_iterations;
     sum.interior_spring_projections += stats.interior_spring_projections;
     sum.contact_projections += stats.contact_projections;
     sum.volume_projections += stats.volume_projections;

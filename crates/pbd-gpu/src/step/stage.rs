@@ -46,11 +46,6 @@ impl<'a> SteppedBody<'a> {
         if !member.reaches_colliders {
             arrays.colliders = &[];
         }
-        #[cfg(feature = "global")]
-        {
-            let is_taken = step.plan.has_global_step();
-            arrays.global = step.global.as_deref_mut().filter(|_| is_taken);
-        }
         Self {
             index,
             plan: &step.plan,

@@ -6,12 +6,6 @@ mod cut;
 mod delta;
 mod determinism;
 mod early_out;
-#[cfg(feature = "global")]
-mod global;
-#[cfg(feature = "global")]
-mod global_bounds;
-#[cfg(feature = "global")]
-mod global_pins;
 mod invariants;
 mod islands;
 mod mass_transfer;

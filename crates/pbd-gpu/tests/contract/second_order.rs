@@ -2,7 +2,7 @@
 
 use incise_mesh::{Surface, VertexId, icosphere};
 use incise_pbd_gpu::{
-    Contact, Density, Integrator, Material, Scheme, Solver, SolverParams, Stiffness, Volume,
+    Contact, Density, Integrator, Material, Solver, SolverParams, Stiffness, Volume,
 };
 
 const COMPLIANCE: f32 = 1e-3;
@@ -16,7 +16,6 @@ const WEIGHTLESS: SolverParams = SolverParams {
     residual: None,
     diagonal_scale: 1.0,
     attachments: false,
-    scheme: Scheme::Sweeps,
     integrator: Integrator::Bdf2,
     threads: None,
 };

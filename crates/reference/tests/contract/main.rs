@@ -3,7 +3,6 @@
 mod bending;
 mod bodies;
 mod common;
-mod global;
 mod laws;
 mod shipped;
 mod volumes;

@@ -168,15 +168,6 @@ impl Scene {
         };
         let done = *body.solver().stats();
         self.stats.iterations_skipped += done.iterations_skipped;
-        #[cfg(feature = "global")]
-        {
-            let global = body.solver().global_stats();
-            self.stats.global_bodies += u32::from(done.global_iterations > 0);
-            self.stats.global_bytes += global.bytes;
-            let factor_seconds = global.factor_time.as_secs_f64();
-            self.stats.factor_seconds = self.stats.factor_seconds.max(factor_seconds);
-            self.stats.factor_age = self.stats.factor_age.max(global.factor_age);
-        }
         if let Some(sleep) = &self.params.sleep
             && let Some(displacement) = self.sleep.observe(i, done.max_substep_displacement)
         {

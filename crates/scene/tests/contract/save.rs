@@ -9,7 +9,7 @@ mod scenes;
 
 use crate::solids::cut_solid;
 use incise_mesh::{ArchiveError, FORMAT_VERSION, Surface, icosphere};
-use incise_pbd_gpu::{Integrator, Material, PatchParams, Scheme, Solver, SolverParams, Stiffness};
+use incise_pbd_gpu::{Integrator, Material, PatchParams, Solver, SolverParams, Stiffness};
 use incise_scene::{LoadError, SaveError, Scene, SceneError, SceneParams};
 use layout::{Lines, layout};
 use proptest::prelude::*;
@@ -110,14 +110,10 @@ fn the_layout_is_that_of_its_version() {
     let stored = std::fs::read_to_string(&path).unwrap_or_default();
     let version = format!("format version {FORMAT_VERSION}");
     let is_same_version = stored.lines().next() == Some(&version);
-    let has_global = Scheme::from_name("global").is_some();
-    let is_built = |line: &&str| has_global || !line.contains(" global?/");
-    let lines = stored.lines().skip(1).filter(is_built);
-    let expected: Lines = lines.map(str::to_owned).collect();
+    let expected: Lines = stored.lines().skip(1).map(str::to_owned).collect();
     let found: Lines = sample_layouts();
     let different: Vec<_> = found.symmetric_difference(&expected).collect();
     if std::env::var_os("INCISE_UPDATE").is_some() && !is_same_version {
-        assert!(has_global, "the layout includes that of the feature global");
         let lines = found.iter().map(|line| format!("{line}\n"));
         let text = format!("{version}\n{}", lines.collect::<String>());
         std::fs::write(&path, text).unwrap();
@@ -133,17 +129,9 @@ fn the_layout_is_that_of_its_version() {
 ///
 /// A type without a value in any of them leaves no trace; add a scene for a new one.
 fn sample_layouts() -> Lines {
-    let second_order = SolverParams {
-        integrator: Integrator::Bdf2,
-        ..SolverParams::default()
-    };
-    let hanging = [Some(second_order), global()]
-        .into_iter()
-        .flatten()
-        .map(hanging);
-    let mut lines: Lines = hanging
-        .chain([overlapping(), cut_solid()])
-        .flat_map(|scene| layout(&scene))
+    let mut lines: Lines = [hanging(second_order()), overlapping(), cut_solid()]
+        .iter()
+        .flat_map(layout)
         .collect();
     let mut scene = busy([1, 1, 1], &SMALL_PATCHES);
     for frame in 0..BUSY_FRAMES + 30 {
@@ -256,37 +244,32 @@ fn one_changed_byte_anywhere_is_an_error_or_a_scene() {
     assert!(loaded > 0, "changed coordinates are valid");
 }
 
-/// Histories of second order and the inputs of a global step are validated, too.
+/// Histories of second order are validated, too.
 #[test]
 fn one_changed_byte_of_a_solver_is_an_error_or_a_solver() {
-    let second_order = SolverParams {
-        integrator: Integrator::Bdf2,
-        ..SolverParams::default()
-    };
-    for params in [Some(second_order), global()].into_iter().flatten() {
-        let (mut surface, mut solver) = swinging(1);
-        for frame in 0..4 {
-            if frame == 3 {
-                let last = surface.topology().vertices().last().unwrap();
-                solver.pin(&mut surface, last).unwrap();
-            }
-            solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+    let params = second_order();
+    let (mut surface, mut solver) = swinging(1);
+    for frame in 0..4 {
+        if frame == 3 {
+            let last = surface.topology().vertices().last().unwrap();
+            solver.pin(&mut surface, last).unwrap();
         }
-        let bytes = solver.save(&surface).unwrap();
-        let mut loaded = 0;
-        let changes = [0x01, 0x80, 0xff].into_iter().cycle();
-        for (at, by) in (32..bytes.len()).step_by(7).zip(changes) {
-            let mut bytes = bytes.clone();
-            bytes[at] ^= by;
-            seal(&mut bytes);
-            if let Ok((mut surface, mut solver)) = Solver::load(&bytes) {
-                loaded += 1;
-                // A typed error is allowed.
-                let _ = solver.step(&mut surface, 1.0 / 60.0, &params);
-            }
-        }
-        assert!(loaded > 0, "changed coordinates are valid");
+        solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
     }
+    let bytes = solver.save(&surface).unwrap();
+    let mut loaded = 0;
+    let changes = [0x01, 0x80, 0xff].into_iter().cycle();
+    for (at, by) in (32..bytes.len()).step_by(7).zip(changes) {
+        let mut bytes = bytes.clone();
+        bytes[at] ^= by;
+        seal(&mut bytes);
+        if let Ok((mut surface, mut solver)) = Solver::load(&bytes) {
+            loaded += 1;
+            // A typed error is allowed.
+            let _ = solver.step(&mut surface, 1.0 / 60.0, &params);
+        }
+    }
+    assert!(loaded > 0, "changed coordinates are valid");
 }
 
 #[test]
@@ -320,8 +303,10 @@ fn swinging(level: u32) -> (Surface, Solver) {
     (surface, solver)
 }
 
-/// Steps a solver, saves it after 5 frames and an edit of pins, and compares 60 more frames.
-fn check_solver(params: &SolverParams) {
+/// A solver is saved in every frame, also after an edit of pins, and steps on beside its copy.
+#[test]
+fn second_order_solvers_go_on_with_the_same_bits() {
+    let params = second_order().with_substeps(1.0 / 60.0, 2);
     let (mut surface, mut solver) = swinging(3);
     for frame in 0..60 {
         if frame == 5 {
@@ -334,8 +319,8 @@ fn check_solver(params: &SolverParams) {
             other.save(&other_surface).unwrap() == bytes,
             "saved alike in frame {frame}"
         );
-        solver.step(&mut surface, 1.0 / 60.0, params).unwrap();
-        other.step(&mut other_surface, 1.0 / 60.0, params).unwrap();
+        solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+        other.step(&mut other_surface, 1.0 / 60.0, &params).unwrap();
         assert_eq!(
             surface.positions(),
             other_surface.positions(),
@@ -345,58 +330,10 @@ fn check_solver(params: &SolverParams) {
     }
 }
 
-#[test]
-fn second_order_solvers_go_on_with_the_same_bits() {
-    let params = SolverParams {
+/// Returns parameters of second order.
+fn second_order() -> SolverParams {
+    SolverParams {
         integrator: Integrator::Bdf2,
         ..SolverParams::default()
-    };
-    check_solver(&params.with_substeps(1.0 / 60.0, 2));
-}
-
-/// Returns parameters of the global step. Programs of the whole workspace have it.
-fn global() -> Option<SolverParams> {
-    Scheme::from_name("global").map(|scheme| SolverParams {
-        scheme,
-        iterations: 4,
-        substep: None,
-        ..SolverParams::default()
-    })
-}
-
-/// The factor in use, one beside the frames, and the frame in which it is taken.
-#[test]
-fn the_global_step_goes_on_with_the_same_bits() {
-    if let Some(params) = global() {
-        check_solver(&params);
-    }
-}
-
-/// The frame of an edit of a large body does fewer iterations.
-#[test]
-fn a_large_body_with_the_global_step_goes_on_with_the_same_bits_after_a_cut() {
-    use incise_cut::{CutParams, Cutter, Sweep};
-    let Some(params) = global() else { return };
-    let (mut surface, mut solver) = swinging(5);
-    let plane = Sweep::from_plane([0.3, 1.0, 0.2], 0.1, &surface.bounds()).unwrap();
-    for frame in 0..8 {
-        if frame == 2 {
-            let cut = CutParams::default();
-            let outcome = Cutter::new(&surface).cut(&mut surface, &plane, &cut);
-            let delta = outcome.unwrap().delta;
-            solver.apply_delta(&mut surface, &delta).unwrap();
-        }
-        let bytes = solver.save(&surface).unwrap();
-        let (mut other_surface, mut other) = Solver::load(&bytes).unwrap();
-        solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
-        other.step(&mut other_surface, 1.0 / 60.0, &params).unwrap();
-        let expected = if frame == 2 { 1 } else { 4 };
-        assert_eq!(solver.stats().global_iterations, expected, "frame {frame}");
-        assert_eq!(other.stats(), solver.stats(), "frame {frame}");
-        assert!(
-            surface.positions() == other_surface.positions()
-                && solver.velocities() == other.velocities(),
-            "other bits in frame {frame}"
-        );
     }
 }

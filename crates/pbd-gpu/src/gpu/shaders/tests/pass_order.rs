@@ -111,11 +111,9 @@ fn name(pass: Pass) -> String {
         Pass::Volumes => VOLUMES.to_owned(),
         Pass::CollidersBeforeVolumes | Pass::Colliders => COLLIDERS.to_owned(),
         Pass::Integrate => INTEGRATE.to_owned(),
-        Pass::BeginGlobal
-        | Pass::GlobalIteration
-        | Pass::SolidSupports
-        | Pass::Cells(_)
-        | Pass::SolidPins => unreachable!("not in plans for GPUs"),
+        Pass::SolidSupports | Pass::Cells(_) | Pass::SolidPins => {
+            unreachable!("not in plans for GPUs")
+        }
     }
 }
 
@@ -139,7 +137,6 @@ fn full_plan() -> StepPlan {
     }
     springs.insert([VertexId(0), VertexId(1)], 1.0);
     let key = PlanKey {
-        global: false,
         iterations: 2,
         contact_rounds: 2,
         pins: true,
