@@ -5,11 +5,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The crates of the program.
-const CRATES: [&str; 12] = [
+const CRATES: [&str; 11] = [
     "params",
     "mesh",
     "models",
-    "sparse",
     "reference",
     "refine",
     "cut",

@@ -50,6 +50,7 @@ mod model;
 mod objective;
 mod patches;
 mod quantities;
+mod sparse;
 mod step;
 #[cfg(test)]
 mod tests;

@@ -3,9 +3,9 @@
 use super::error::ReferenceError;
 use super::measure::Blocks;
 use super::model::Model;
+use super::sparse::{self, Scratch};
 use super::volume::Piece;
 use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat};
-use incise_sparse::{Columns, Scratch};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
 
 /// A vertex of an element and a coordinate of it.
@@ -20,7 +20,7 @@ pub(super) struct System {
     sorting: Argsort<usize>,
     /// Entries in the order of addition; several may share a place.
     values: Vec<f64>,
-    factor: incise_sparse::Cholesky,
+    factor: sparse::Cholesky,
     scratch: Scratch,
     /// Columns whose outer products are added to the sparse matrix, over all vertices; zero where a
     /// vertex is held.
@@ -68,9 +68,9 @@ impl System {
         let (pattern, sorting) =
             SymbolicSparseColMat::try_new_from_indices(unknowns, unknowns, &places)
                 .map_err(|_| failed)?;
-        let factor = incise_sparse::Cholesky::analyze(pattern.as_ref(), Columns::Blocks);
+        let factor = sparse::Cholesky::analyze(pattern.as_ref());
         let factor = factor.ok_or(failed)?;
-        let scratch = factor.scratch(1).ok_or(failed)?;
+        let scratch = factor.scratch().ok_or(failed)?;
         Ok(Self {
             numbers,
             moving,

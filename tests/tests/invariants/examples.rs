@@ -11,13 +11,12 @@ const LIBRARIES: [&str; 11] = [
 /// Bindings for other languages, whose READMEs begin with code in these.
 const BINDINGS: [&str; 3] = ["ffi", "python", "web"];
 /// Programs, and crates that only this workspace uses.
-const OTHERS: [&str; 7] = [
+const OTHERS: [&str; 6] = [
     "app",
     "bench",
     "params",
     "progress",
     "reference",
-    "sparse",
     "test-support",
 ];
 
