@@ -68,7 +68,7 @@ Examples:
   incise check bunny.obj
   incise cut bunny.obj --plane 0,1,0.2,0.05 -o pieces
   incise render pieces/piece_000.obj -o piece.png
-  incise simulate bunny.obj --seconds 2 --ground -0.5 --volume --interior-springs 1 -o pieces
+  incise simulate bunny.obj --seconds 2 --ground -0.5 -o pieces
 
 Exit codes:
   0  done

@@ -103,13 +103,6 @@ fn number_or_fraction(text: &str) -> Option<f64> {
     Some(value).filter(|value| value.is_finite())
 }
 
-/// Parses a number from 0 to 1.
-pub(crate) fn share(text: &str) -> Result<f32, String> {
-    let value = text.trim().parse().ok();
-    let value = value.filter(|value| (0.0..=1.0).contains(value));
-    value.ok_or_else(|| format!("'{text}' is not a number from 0 to 1"))
-}
-
 /// Parses a whole number of at least 1, of 16 bits.
 pub(crate) fn small_count(text: &str) -> Result<NonZeroU16, String> {
     positive_whole(text, u16::MAX)

@@ -37,8 +37,8 @@ use std::path::{Path, PathBuf};
 ///
 /// The input is a scene file (toml), or meshes with the options below. Writes one piece per file:
 /// `DIR/piece_000.obj` and so on, body by body. Files of these names from an earlier run are
-/// overwritten or removed. The y axis points up. Without --volume or --interior-springs a body is a
-/// shell, which collapses under its weight. A mesh with a boundary is a sheet, such as cloth.
+/// overwritten or removed. The y axis points up. A mesh with a boundary is
+/// cloth by default, since it has no inside.
 #[derive(clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct SimulateArguments {
@@ -60,13 +60,13 @@ pub(crate) struct SimulateArguments {
 
 const AFTER_HELP: &str = "\
 Examples:
-  incise simulate Bunny --seconds 2 --ground -0.5 --volume --interior-springs 1 -o pieces
-  incise simulate Bunny --seconds 2 --volume --plane 0,1,0.2,-1 --at 0.5 -o pieces
-  incise simulate Bunny --seconds 2 --volume --path knife.txt -o pieces
+  incise simulate Bunny --seconds 2 --ground -0.5 -o pieces
+  incise simulate Bunny --seconds 2 --material jelly --plane 0,1,0.2,-1 --at 0.5 -o pieces
+  incise simulate Bunny --seconds 2 --path knife.txt -o pieces
   incise simulate scene.toml
   Two bodies above each other, cut by two planes at two times:
     incise simulate Bunny Sphere768 --offset 0,0,0 --offset 0,1.5,0 --seconds 2 --ground -1 \\
-      --volume --interior-springs 1 --plane 1,0,0.1,0 --at 0.2 --plane 0,0.1,1,0 --at 0.4 -o pieces
+      --plane 1,0,0.1,0 --at 0.2 --plane 0,0.1,1,0 --at 0.4 -o pieces
 
 JSON report (--json): inputs (file and warnings of each), backend, device, fallback_reason, frames,
 dt, iterations, substep, hits, failed_cuts and missed_cuts (a message for every cut that

@@ -38,7 +38,7 @@
 #define INCISE_BACKEND_AUTO 2
 
 /*
- A solid that keeps its volume and shape.
+ A solid as heavy as water, 100 kPa.
  */
 #define INCISE_MATERIAL_SOFT_BODY 0
 
@@ -56,6 +56,31 @@
  A stiff shell that bends freely.
  */
 #define INCISE_MATERIAL_LIMP_SHELL 3
+
+/*
+ Human skin, 420 kPa.
+ */
+#define INCISE_MATERIAL_SKIN 4
+
+/*
+ A healthy human liver, 5.4 kPa.
+ */
+#define INCISE_MATERIAL_LIVER 5
+
+/*
+ Relaxed skeletal muscle, 12 kPa.
+ */
+#define INCISE_MATERIAL_MUSCLE 6
+
+/*
+ Gelatin of 5 %, 12.5 kPa.
+ */
+#define INCISE_MATERIAL_JELLY 7
+
+/*
+ Natural rubber, 2 MPa.
+ */
+#define INCISE_MATERIAL_RUBBER 8
 
 /*
  Mass per area, in kg/m^2.
@@ -745,8 +770,7 @@ extern "C" {
 #endif // __cplusplus
 
 /*
- Writes a material: `INCISE_MATERIAL_SOFT_BODY`, `INCISE_MATERIAL_SHELL`,
- `INCISE_MATERIAL_CLOTH` or `INCISE_MATERIAL_LIMP_SHELL`.
+ Writes a material, one of the constants `INCISE_MATERIAL_`.
  */
 incise_status incise_material_init(uint32_t preset, incise_material *out);
 

@@ -8,7 +8,8 @@ use incise_mesh::TriangleId;
 pub enum LatticeError {
     /// The surface has a boundary, or nothing inside.
     #[error(
-        "the surface is open at triangle {triangle}; fill its holes, or simulate it as a sheet"
+        "the surface is open at triangle {triangle} and has no inside; fill its holes, or take the \
+         material of a sheet, such as cloth or shell"
     )]
     Open {
         /// A triangle at the boundary.

@@ -25,7 +25,7 @@ mod tests;
 use crate::{Model, build_model};
 pub use directions::{Directions, RelativePlane};
 use incise_mesh::{Surface, Vec3, VertexId};
-use incise_pbd_gpu::{Collider, Material};
+use incise_pbd_gpu::{Collider, InteriorSprings, Material, Stiffness, Volume};
 use incise_scene::{BackendRequest, BodyId, ContactParams, Scene, SceneError, SceneParams};
 pub use knot::{Rope, knot};
 pub use solids::{cuboid, joined, unit_size};
@@ -73,7 +73,7 @@ pub const SCENES: &[NamedScene] = &[
     NamedScene {
         name: "plate",
         description: "a plate of 1 cm on the ground is split in its plane",
-        build: |backend| cuts::split_plate(backend, &Material::soft_body()),
+        build: |backend| cuts::split_plate(backend, &sprung()),
     },
     NamedScene {
         name: "slit",
@@ -98,9 +98,7 @@ pub const SCENES: &[NamedScene] = &[
     NamedScene {
         name: "closing",
         description: "two plates close on a weightless bunny to half its size, and open again",
-        build: |backend| {
-            contacts::closing(backend, solids::unit_bunny(), &Material::soft_body(), 0)
-        },
+        build: |backend| contacts::closing(backend, solids::unit_bunny(), &sprung(), 0),
     },
     NamedScene {
         name: "bars",
@@ -226,6 +224,20 @@ fn weightless() -> SceneParams {
     let mut params = touching();
     params.solver.gravity = [0.0; 3];
     params
+}
+
+/// Returns a skin around an incompressible volume, with springs through it.
+#[must_use]
+pub fn sprung() -> Material {
+    Material {
+        volume: Some(Volume::default()),
+        interior_springs: Some(InteriorSprings {
+            density: 1.0,
+            stiffness: Stiffness::Compliance(1e-6),
+        }),
+        damping: 1.0,
+        ..Material::default()
+    }
 }
 
 /// A piece of a body.

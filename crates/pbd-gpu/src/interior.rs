@@ -11,6 +11,7 @@ mod follow;
 mod load;
 mod masses;
 mod rest;
+mod validate;
 
 use crate::constraints::cells::{CellSet, CellState};
 use crate::error::ConstraintError;

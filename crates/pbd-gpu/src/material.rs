@@ -3,6 +3,8 @@
 //! [`Solver::new`](crate::Solver::new) takes a [`Material`]; a step converts its stiffnesses to a
 //! [`Projection`](crate::Projection) for the kernels once a frame.
 
+mod presets;
+
 use crate::error::ConstraintError;
 use incise_params::{Params, Range};
 
@@ -83,7 +85,7 @@ incise_params::params! {
     /// Elasticity of the inside of a closed body, by a lattice of cells.
     ///
     /// A solid has the shape, the mass and the volume of its material, also in pieces. Stretch,
-    /// bending, volume and interior springs of the [`Material`] have no effect then.
+    /// bending, volume, interior springs and damping of the [`Material`] have no effect then.
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct Solid {
         /// Young's modulus.
@@ -108,8 +110,8 @@ incise_params::params! {
     /// Material of a body.
     ///
     /// The default is a limp shell of 1 kg/m^2 that does not stretch; a closed one collapses on the
-    /// ground. [`Material::soft_body`], [`Material::shell`] and [`Material::cloth`] are other
-    /// starting points.
+    /// ground. [`Material::soft_body`] has an inside, [`Material::shell`] and [`Material::cloth`]
+    /// are for sheets. [`Material::PRESETS`] names all starting points.
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct Material {
         /// Density, from which masses follow.
@@ -135,72 +137,6 @@ incise_params::params! {
 }
 
 impl Material {
-    /// Returns a solid soft body that keeps its volume and its shape on the ground.
-    ///
-    /// Edges do not stretch, closed pieces are incompressible, and springs through the body hold
-    /// its sides apart. `incise-scene` finds the springs; a solver of its own gets them by
-    /// [`Solver::add_interior_springs`](crate::Solver::add_interior_springs).
-    #[must_use]
-    pub fn soft_body() -> Self {
-        Self {
-            volume: Some(Volume::default()),
-            interior_springs: Some(InteriorSprings {
-                density: 1.0,
-                stiffness: Stiffness::Compliance(1e-6),
-            }),
-            damping: 1.0,
-            ..Self::default()
-        }
-    }
-
-    /// Returns a solid with Young's modulus \[Pa\], Poisson's ratio and density [kg/m^3].
-    #[must_use]
-    pub fn solid(young_modulus: f32, poisson_ratio: f32, density: f32) -> Self {
-        Self {
-            density: Density::Volume(density),
-            solid: Some(Solid {
-                young_modulus,
-                poisson_ratio,
-                ..Solid::default()
-            }),
-            ..Self::default()
-        }
-    }
-
-    /// Returns a stiff shell of 1 kg/m^2 that keeps its curvature.
-    #[must_use]
-    pub fn shell() -> Self {
-        Self {
-            bending: Some(Stiffness::Pbd(1.0)),
-            ..Self::default()
-        }
-    }
-
-    /// Returns cloth of 0.2 kg/m^2 that does not stretch and bends freely.
-    #[must_use]
-    pub fn cloth() -> Self {
-        Self {
-            density: Density::Area(0.2),
-            bending: None,
-            ..Self::default()
-        }
-    }
-
-    /// Names of the starting points, for files and other languages.
-    pub const PRESETS: [&'static str; 4] = ["soft-body", "shell", "limp-shell", "cloth"];
-
-    /// Returns the starting point of a name; `None` for one that is not in [`Self::PRESETS`].
-    #[must_use]
-    pub fn preset(name: &str) -> Option<Self> {
-        match name {
-            "soft-body" => Some(Self::soft_body()),
-            "shell" => Some(Self::shell()),
-            "limp-shell" => Some(Self::default()),
-            "cloth" => Some(Self::cloth()),
-            _ => None,
-        }
-    }
-
     /// Checks that every number is in its range.
     ///
     /// # Errors
@@ -217,7 +153,11 @@ mod tests {
     #[test]
     fn bad_numbers_are_named() {
         let refused = |change: fn(&mut Material)| {
-            let mut material = Material::soft_body();
+            let mut material = Material {
+                volume: Some(Volume::default()),
+                interior_springs: Some(InteriorSprings::default()),
+                ..Material::soft_body()
+            };
             change(&mut material);
             material.check().unwrap_err().to_string()
         };
@@ -243,15 +183,15 @@ mod tests {
                 "volume.pressure is -1; it must be a finite number of at least 0",
             ),
             (
+                |m| m.solid.as_mut().unwrap().poisson_ratio = 0.5,
+                "solid.poisson_ratio is 0.5; it must be from 0 to 0.495",
+            ),
+            (
                 |m| m.interior_springs.as_mut().unwrap().density = 1.5,
                 "interior_springs.density is 1.5; it must be from 0 to 1",
             ),
         ] {
             assert_eq!(refused(change), message);
         }
-        for name in Material::PRESETS {
-            assert_eq!(Material::preset(name).unwrap().check(), Ok(()));
-        }
-        assert_eq!(Material::preset("steel"), None);
     }
 }

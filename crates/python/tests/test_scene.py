@@ -167,7 +167,7 @@ def test_velocities_move_a_body(sphere: incise.Mesh) -> None:
         ({"stretch": {"stiffness": 2.0}}, "stiffness"),
         ({"stretch": {"stiffness": 1.0, "compliance": 0.0}}, "it must be one of { stiffness"),
         ({"friction": float("nan")}, "friction"),
-        ({"material": "jelly"}, "soft-body"),
+        ({"material": "steel"}, "soft-body"),
     ],
 )
 def test_bad_materials_are_refused(sphere: incise.Mesh, keys: Any, text: str) -> None:

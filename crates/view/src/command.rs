@@ -1,6 +1,7 @@
 //! Commands and settings of a session, as serializable data.
 
-use incise_pbd_gpu::{Collider, InteriorSprings, Material, Stiffness, Volume};
+use incise_mesh::Surface;
+use incise_pbd_gpu::{Collider, Material, Solid, Stiffness};
 use incise_scene::{BladeMode, ContactParams, SceneParams};
 use serde::{Deserialize, Serialize};
 
@@ -68,8 +69,7 @@ pub enum Command {
 }
 
 incise_params::params! {
-    /// The settings that a user changes in the panel. By default a firm body that keeps its volume
-    /// and shape, on the ground.
+    /// The settings that a user changes in the panel. By default a soft body on the ground.
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct Settings {
         /// Parameters of the scene; cuts that end inside replace some.
@@ -78,12 +78,7 @@ incise_params::params! {
             ..SceneParams::default()
         };
         /// Material of the body.
-        material: Material = Material {
-            volume: Some(Volume::default()),
-            interior_springs: Some(InteriorSprings::default()),
-            damping: 1.0,
-            ..Material::default()
-        };
+        material: Material = Material::soft_body();
         /// Adds a horizontal plane below the body.
         ground: bool = true;
         /// Lets cuts end inside the body.
@@ -95,11 +90,26 @@ incise_params::params! {
 }
 
 impl Settings {
+    /// Returns the default settings with the material for a surface: cloth if it has a boundary.
+    #[must_use]
+    pub fn for_surface(surface: &Surface) -> Self {
+        Self {
+            material: Material::for_surface(surface),
+            ..Self::default()
+        }
+    }
+
     /// Returns true if a body with settings `other` must be rebuilt for these.
     pub(crate) fn requires_new_body(&self, other: &Self) -> bool {
         let made_with_body = |material: &Material| Material {
             stretch: Stiffness::Pbd(1.0),
             volume: None,
+            solid: material.solid.map(|solid| Solid {
+                young_modulus: 1.0,
+                poisson_ratio: 0.0,
+                relaxation_time: 0.0,
+                ..solid
+            }),
             damping: 0.0,
             friction: 0.0,
             ..*material

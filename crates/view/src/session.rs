@@ -85,7 +85,8 @@ impl Session {
     /// # Errors
     /// As [`Scene::add_body`].
     pub fn new(surface: Surface, scene: Scene) -> Result<Self, SceneError> {
-        Self::with_settings(surface, scene, Settings::default())
+        let settings = Settings::for_surface(&surface);
+        Self::with_settings(surface, scene, settings)
     }
 
     /// Creates a session as [`Session::new`], with the given settings.

@@ -97,7 +97,7 @@ impl Default for DisplayOptions {
 /// failure.
 pub fn run(options: WindowOptions) -> Result<(), ViewError> {
     let replay = options.replay.clone();
-    let mut chosen = Settings::default();
+    let mut chosen = Settings::for_surface(&options.surface);
     chosen.scene.cut.caps = options.caps;
     let settings = replay.as_ref().map_or(chosen, Recording::settings);
     let replay = replay.map(|r| r.replay(&options.surface)).transpose()?;

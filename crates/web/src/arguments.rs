@@ -28,9 +28,9 @@ pub(crate) fn set<P: Params>(params: &mut P, values: &Value) -> Result<(), WebEr
     }
 }
 
-/// Returns a material: a name, values by name with or without the name `preset`, or a soft body if
-/// absent.
-pub(crate) fn material(values: &Value) -> Result<Material, WebError> {
+/// Returns a material: a name, or values by name with or without the name `preset`. Replaces the
+/// values of the default without one.
+pub(crate) fn material(values: &Value, default: Material) -> Result<Material, WebError> {
     let (preset, values) = match values {
         Value::Map(entries) => {
             let preset = entries.iter().find(|(name, _)| name == "preset");
@@ -44,7 +44,7 @@ pub(crate) fn material(values: &Value) -> Result<Material, WebError> {
         preset => (preset.clone(), Value::None),
     };
     let mut material = match &preset {
-        Value::None => Material::soft_body(),
+        Value::None => default,
         preset => Material::preset(&preset.to_string()).ok_or_else(|| {
             let names = format!("one of {}", Material::PRESETS.join(", "));
             ParamError::wrong_value(preset, names).named("preset")
@@ -263,6 +263,7 @@ mod tests {
     #[test]
     fn absent_names_are_the_defaults() {
         assert_eq!(cut_params(&Value::None).unwrap(), CutParams::default());
+        let material = |values: &Value| material(values, Material::soft_body());
         assert_eq!(material(&Value::None).unwrap(), Material::soft_body());
         let values = |entries: &[(&str, Value)]| {
             let entries = entries
@@ -293,7 +294,7 @@ mod tests {
         assert_eq!(material(&values(&cloth)).unwrap(), expected);
         assert_eq!(material(&Value::from("cloth")).unwrap(), Material::cloth());
         let error = material(&Value::from("steel")).unwrap_err().to_string();
-        let names = "soft-body, shell, limp-shell, cloth";
+        let names = Material::PRESETS.join(", ");
         assert_eq!(
             error,
             format!("preset is 'steel'; it must be one of {names}")

@@ -13,6 +13,7 @@ pub use blades::{Incision, IncisionState};
 use buffers::BodyBuffers;
 use incise::mesh::{Vec3, VertexId};
 use incise::params::{Report, Value};
+use incise::pbd::Material;
 use incise::prelude::{BodyId, SceneParams};
 use incise::scene::{Scene as Simulation, UndoStack};
 use js_sys::{Float64Array, Uint8Array};
@@ -81,8 +82,8 @@ impl Scene {
     /// # Errors
     /// [`WebError`] if the material is out of range or the mesh cannot be simulated.
     pub fn add_body(&mut self, mesh: &Mesh, values: &Value) -> Result<u32, WebError> {
-        let material = material(values)?;
         let surface = mesh.surface().clone();
+        let material = material(values, Material::for_surface(&surface))?;
         let id = self.simulation.add_body(surface, &material)?;
         self.insert(id)
     }
@@ -169,9 +170,10 @@ impl Scene {
     /// All coordinates of a scene are relative to the `origin` of its first mesh, to which others
     /// are moved.
     ///
-    /// `material` is the name of a preset, `soft-body` (the default), `shell`, `limp-shell` or
-    /// `cloth`, or an object such as `{ preset: "cloth", damping: 2 }`, whose values replace those
-    /// of the preset. `docs/parameters.md` lists them.
+    /// `material` is the name of a preset, such as `soft-body`, `jelly` or `cloth`, or an object
+    /// such as `{ preset: "cloth", damping: 2 }`, whose values replace those of the preset.
+    /// `docs/parameters.md` lists them. By default a closed mesh is a `soft-body`, a mesh with a
+    /// boundary is `cloth`.
     ///
     /// # Errors
     /// Throws if the mesh cannot be simulated; the scene is then unchanged.

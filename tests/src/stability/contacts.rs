@@ -9,7 +9,7 @@ use incise_models::scenes::contacts::{
     plate_distance, tunnel,
 };
 use incise_models::scenes::cuts::sliced_materials;
-use incise_models::scenes::{Grouping, Rope, knot};
+use incise_models::scenes::{Grouping, Rope, knot, sprung};
 use incise_pbd_gpu::{Material, Stiffness};
 
 pub(super) const CASES: [Case; 6] = [
@@ -124,7 +124,7 @@ fn press(runner: &Runner) -> Vec<Run> {
         let squeeze = || -> Found<[f64; 3]> {
             let material = Material {
                 stretch: Stiffness::Compliance(stretch),
-                ..Material::soft_body()
+                ..sprung()
             };
             let surface = subject.surface.clone();
             let bounds = surface.bounds();

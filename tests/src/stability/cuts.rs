@@ -11,7 +11,7 @@ use incise_models::scenes::cuts::{
     PULLING, SHATTERING, SLICES, SLICING, random_plane, shatter, sliced_materials, slices,
     slit_ball, slit_materials, slivers, split_plate,
 };
-use incise_models::scenes::{Directions, FRAME, ScriptedScene};
+use incise_models::scenes::{Directions, FRAME, ScriptedScene, sprung};
 use incise_pbd_gpu::{Collider, Material};
 use incise_scene::{ContactParams, Scene, SceneError, SceneParams};
 use incise_test_support::materials::shells;
@@ -145,9 +145,9 @@ fn split(runner: &Runner) -> Vec<Run> {
     // The second one's motions decay four times as fast.
     let damped = Material {
         damping: 4.0,
-        ..Material::soft_body()
+        ..sprung()
     };
-    let materials = [("soft body", Material::soft_body()), ("damped", damped)];
+    let materials = [("skin with springs", sprung()), ("damped", damped)];
     runner.each(&materials, |(name, material)| {
         let split = || -> Found<[f64; 2]> {
             let mut group = sliced(split_plate(&runner.backend, material), 1)?;

@@ -9,7 +9,7 @@ use super::{Case, Found, Outcome, Run, larger};
 use incise_cut::{CutParams, Cutter, Sweep};
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3, VertexId, icosphere};
-use incise_models::scenes::{FRAME, cuboid};
+use incise_models::scenes::{FRAME, cuboid, sprung};
 use incise_models::{Model, build_model, place, pose};
 use incise_pbd_gpu::{Collider, Density, InteriorSprings, Material, Stiffness, Volume};
 use incise_scene::{BodyId, Scene, SceneParams};
@@ -77,14 +77,13 @@ impl Frames {
 
 /// Materials by name: the presets' kinds, and compliances without and with a volume.
 fn materials() -> [(&'static str, Material); 8] {
-    let soft = Material::soft_body();
+    let soft = sprung();
     let compliant = |stretch: f32| Material {
         stretch: Stiffness::Compliance(stretch),
         ..soft
     };
     let bare = Material {
         interior_springs: None,
-        solid: None,
         damping: 0.0,
         ..soft
     };

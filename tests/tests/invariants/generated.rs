@@ -158,9 +158,9 @@ fn the_document_lists_all_parameters() {
         "## Scenes: `SceneParams`\n\nThose of `cut` are also those of a cut of a mesh.\n\n",
     );
     table::<SceneParams>(&mut out);
-    out.push_str("\n## Materials: `Material`\n\nA preset is the start: ");
+    out.push_str("\n## Materials: `Material`\n\nA preset is the start:\n");
     out.push_str(&quoted(Material::PRESETS.iter().copied()));
-    out.push_str(". The defaults here are those of\n`limp-shell`.\n\n");
+    out.push_str(".\nThe defaults here are those of `limp-shell`.\n\n");
     table::<Material>(&mut out);
     out.push_str("\n## Filled holes: `HoleParams`\n\n");
     table::<HoleParams>(&mut out);

@@ -160,17 +160,18 @@ pub(super) struct Bodies {
 }
 
 impl Bodies {
-    /// Adds the surfaces of inputs to a scene, each with its material.
+    /// Adds the surfaces of inputs to a scene, each with its material or the default for it.
     pub(super) fn add(
         scene: &mut Scene,
         inputs: &[Input],
         surfaces: Vec<Surface>,
-        materials: &[Material],
+        materials: &[Option<Material>],
     ) -> Result<Self, Failure> {
         let origin = surfaces.first().map_or([0.0; 3], Surface::origin);
         let mut ids = Vec::new();
         for ((input, surface), material) in inputs.iter().zip(surfaces).zip(materials) {
-            let id = scene.add_body(surface, material);
+            let material = material.unwrap_or_else(|| Material::for_surface(&surface));
+            let id = scene.add_body(surface, &material);
             ids.push(id.map_err(|source| Failure::Scene {
                 path: input.file.clone(),
                 source,

@@ -1,18 +1,17 @@
 //! [`SceneOptions`]: the options that describe a scene, in place of a scene file.
 
-use super::scene_file::{BladeFile, BodyFile, ColliderFile, MaterialFile, PlaneCut, SceneFile};
+use super::scene_file::{BladeFile, BodyFile, ColliderFile, PlaneCut, SceneFile};
 use crate::failure::Failure;
 use crate::input::InputOptions;
-use crate::numbers::{Numbers, not_negative, numbers, positive, share};
+use crate::numbers::{Numbers, not_negative, numbers, positive};
 use crate::param_options::{OptionSet, ParamOptions};
 use clap::Arg;
+use clap::builder::PossibleValuesParser;
 use incise_params::Value;
+use incise_pbd_gpu::Material;
 use incise_scene::SceneParams;
 use std::path::PathBuf;
 use toml::Spanned;
-
-/// The name of the material that the options describe.
-const MATERIAL: &str = "options";
 
 /// Options that describe a scene.
 #[derive(clap::Args)]
@@ -36,12 +35,9 @@ pub(super) struct SceneOptions {
     /// Add a horizontal plane at a height [m]; the meshes must begin above it.
     #[arg(long, value_name = "H", value_parser = numbers::<1>, allow_hyphen_values = true)]
     ground: Option<Numbers<1>>,
-    /// Preserve the rest volume of every closed piece.
-    #[arg(long)]
-    volume: bool,
-    /// Connect opposite sides by springs through the body: springs per vertex, 0 to 1.
-    #[arg(long, value_name = "DENSITY", value_parser = share, allow_hyphen_values = true)]
-    interior_springs: Option<f32>,
+    /// Material of the bodies. [default: soft-body, or cloth for a mesh with a boundary]
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(Material::PRESETS))]
+    material: Option<String>,
     /// Let pieces pass through each other instead of resolving their contacts.
     #[arg(long)]
     no_contacts: bool,
@@ -112,8 +108,7 @@ impl SceneOptions {
             ("--seconds", self.seconds.is_some()),
             ("--dt", self.dt.is_some()),
             ("--ground", self.ground.is_some()),
-            ("--volume", self.volume),
-            ("--interior-springs", self.interior_springs.is_some()),
+            ("--material", self.material.is_some()),
             ("--no-contacts", self.no_contacts),
             ("--plane", !self.plane.is_empty()),
             ("--path", self.path.is_some()),
@@ -144,13 +139,11 @@ impl SceneOptions {
             file.params
                 .insert("contacts".to_owned(), Value::Flag(false));
         }
-        let material = unplaced(self.material());
-        file.materials.insert(MATERIAL.to_owned(), material);
         let offsets = self.offset.iter().copied();
         let offsets = offsets.chain(std::iter::repeat(Numbers([0.0; 3])));
         let bodies = inputs.iter().zip(offsets).map(|(mesh, offset)| BodyFile {
             mesh: mesh.clone(),
-            material: Some(unplaced(MATERIAL.to_owned())),
+            material: self.material.clone().map(unplaced),
             offset,
         });
         file.bodies = bodies.collect();
@@ -180,19 +173,6 @@ impl SceneOptions {
                 times: times.len(),
                 planes: self.plane.len(),
             }),
-        }
-    }
-
-    fn material(&self) -> MaterialFile {
-        let volume = self.volume.then_some(("volume", Value::Flag(true)));
-        let density = self.interior_springs.map(f64::from).map(Value::Number);
-        let springs = density.map(|density| ("interior_springs.density", density));
-        let values = volume.into_iter().chain(springs);
-        MaterialFile {
-            preset: Some("limp-shell".to_owned()),
-            values: values
-                .map(|(name, value)| (name.to_owned(), value))
-                .collect(),
         }
     }
 }

@@ -179,23 +179,25 @@ impl SceneFile {
         Ok(params)
     }
 
-    /// Returns the material of each body, after a check of all materials of the file.
-    pub(super) fn materials(&self) -> Result<Vec<Material>, Failure> {
+    /// Returns the material of each body, after a check of all materials of the file; `None` for
+    /// the default.
+    pub(super) fn materials(&self) -> Result<Vec<Option<Material>>, Failure> {
         for (name, own) in &self.materials {
             self.own_material(name, own)?;
         }
         self.bodies.iter().map(|body| self.material(body)).collect()
     }
 
-    /// Returns the material of a body.
-    fn material(&self, body: &BodyFile) -> Result<Material, Failure> {
+    /// Returns the material of a body, `None` for the default.
+    fn material(&self, body: &BodyFile) -> Result<Option<Material>, Failure> {
         let Some(name) = &body.material else {
-            return Ok(Material::soft_body());
+            return Ok(None);
         };
         if let Some(own) = self.materials.get(name.get_ref()) {
-            return self.own_material(name.get_ref(), own);
+            return self.own_material(name.get_ref(), own).map(Some);
         }
-        Material::preset(name.get_ref()).ok_or_else(|| {
+        let preset = Material::preset(name.get_ref());
+        preset.map(Some).ok_or_else(|| {
             self.refuse(SceneFileError::UnknownMaterial {
                 line: self.line(name).unwrap_or_default(),
                 name: name.get_ref().clone(),

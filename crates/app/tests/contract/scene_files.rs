@@ -75,8 +75,7 @@ fn the_examples_run() {
 fn a_file_and_options_give_the_same_bytes() {
     let (folder, file) = scene(
         "seconds = 0.3\ndt = 0.01\nsubstep = 0.0025\n\
-         [materials.own]\npreset = \"limp-shell\"\nvolume = {}\n\
-         interior_springs = { density = 0.5 }\n\
+         [materials.own]\npreset = \"rubber\"\n\
          [[bodies]]\nmesh = \"Sphere80\"\nmaterial = \"own\"\n\
          [[bodies]]\nmesh = \"Sphere20\"\nmaterial = \"own\"\noffset = [0, 1.05, 0]\n\
          [[colliders]]\nplane = { point = [0, -0.6, 0], normal = [0, 1, 0] }\n\
@@ -87,7 +86,7 @@ fn a_file_and_options_give_the_same_bytes() {
     let of_file = report(&incise(&["simulate", text(&file), "--json"]));
     let out = folder.path().join("of_options");
     let words = "simulate Sphere80 Sphere20 --offset 0,0,0 --offset 0,1.05,0 --seconds 0.3 \
-                 --dt 1/100 --substep 0.0025 --ground -0.6 --volume --interior-springs 0.5 \
+                 --dt 1/100 --substep 0.0025 --ground -0.6 --material rubber \
                  --plane 1,0,0.1,0 --at 0.1 --plane 0,0.1,1,0 --at 0.2 --format ply --json -o";
     let words: Vec<&str> = words.split_whitespace().chain([text(&out)]).collect();
     let of_options = report(&incise(&words));
@@ -277,7 +276,7 @@ fn options_of_the_scene_are_refused_beside_a_file() {
             &["--seconds", "1"][..],
             "--seconds cannot be combined with a scene file",
         ),
-        (&["--volume"], "--volume cannot be combined"),
+        (&["--material", "jelly"], "--material cannot be combined"),
         (&["Bunny"], "a scene file is the only input"),
         (&[], "there is no output"),
     ] {

@@ -137,7 +137,7 @@ fn a_falling_sheet_is_cut() {
     ];
     for more in [
         &["--plane", "1,0.1,0,0.03"][..],
-        &["--plane", "1,0.1,0,0.03", "--volume"],
+        &["--plane", "1,0.1,0,0.03", "--material", "shell"],
     ] {
         let done = incise(&[&simulate[..], more].concat());
         assert_eq!(done.status.code(), Some(0), "{done:?}");

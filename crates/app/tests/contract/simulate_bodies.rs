@@ -140,12 +140,8 @@ fn numbers_out_of_range_are_refused() {
             "'-1' is not a whole number from 1 to 65535",
         ),
         (
-            "--seconds 1 --interior-springs 2",
-            "'2' is not a number from 0 to 1",
-        ),
-        (
-            "--seconds 1 --interior-springs nan",
-            "'nan' is not a number from 0 to 1",
+            "--seconds 1 --material steel",
+            "[possible values: soft-body, shell, cloth, limp-shell, skin, liver, muscle, jelly",
         ),
     ] {
         let done = simulate(folder.path(), &format!("Sphere80 {words}"));
@@ -175,7 +171,7 @@ fn bodies_land_on_each_other_unless_contacts_are_off() {
     let distance = |more: &str| {
         let words = format!(
             "Sphere80 Sphere80 --offset 0,0,0 --offset 0,1.05,0 --seconds 0.6 --ground -0.5 \
-             --volume --interior-springs 1 {more}"
+             --material rubber {more}"
         );
         let done = simulate(folder.path(), &words);
         assert_eq!(done.status.code(), Some(0), "{done:?}");

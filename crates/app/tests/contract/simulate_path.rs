@@ -61,7 +61,7 @@ fn piece(folder: &Path, number: u32) -> Surface {
 fn a_falling_ball_is_cut_in_two_by_a_blade_that_falls_with_it() {
     let folder = tempfile::tempdir().unwrap();
     let path = knife(folder.path(), 0.73, 0, 40);
-    let more = ["--seconds", "1", "--volume"];
+    let more = ["--seconds", "1"];
     let (code, report, error) = simulate(folder.path(), &path, &more);
     assert_eq!(code, Some(0), "{error}");
     assert_eq!(
@@ -87,7 +87,7 @@ fn a_blade_that_stops_inside_leaves_one_piece_with_walls() {
     let folder = tempfile::tempdir().unwrap();
     let path = knife(folder.path(), 0.07, 6, 20);
     for contacts in [&[][..], &["--no-contacts"]] {
-        let more = [&["--seconds", "1", "--at", "0.1", "--volume"], contacts].concat();
+        let more = [&["--seconds", "1", "--at", "0.1"], contacts].concat();
         let (code, report, error) = simulate(folder.path(), &path, &more);
         assert_eq!(code, Some(0), "{error}");
         let pieces = report["pieces"].as_array().unwrap();

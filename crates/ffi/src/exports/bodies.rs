@@ -40,8 +40,7 @@ pub struct RayHit {
     pub distance: f64,
 }
 
-/// Writes a material: `INCISE_MATERIAL_SOFT_BODY`, `INCISE_MATERIAL_SHELL`,
-/// `INCISE_MATERIAL_CLOTH` or `INCISE_MATERIAL_LIMP_SHELL`.
+/// Writes a material, one of the constants `INCISE_MATERIAL_`.
 #[unsafe(no_mangle)]
 pub extern "C" fn incise_material_init(
     preset: u32,
@@ -50,8 +49,8 @@ pub extern "C" fn incise_material_init(
     call(|| put(out, Material::preset(preset)?, "out"))
 }
 
-/// Adds a copy of a mesh as a body at rest. `material` may be NULL for a soft body. `out` gets the
-/// index of the body; indices are not reused.
+/// Adds a copy of a mesh as a body at rest. A `material` of NULL is a soft body, or cloth for a
+/// mesh with a boundary. `out` gets the index of the body; indices are not reused.
 ///
 /// All coordinates of a scene are relative to the origin of its first mesh, see
 /// `incise_mesh_measure`; others are moved to it.
@@ -63,12 +62,10 @@ pub extern "C" fn incise_scene_add_body(
     out: Option<&mut MaybeUninit<u32>>,
 ) -> Status {
     call(|| {
-        let material = match material {
-            Some(material) => material.check()?,
-            None => incise::pbd::Material::soft_body(),
-        };
+        let material = material.map(Material::check).transpose()?;
         let out = out.ok_or_else(|| Error::null("out"))?;
         let surface = with(mesh, |mesh: &mut MeshObject| Ok(mesh.surface.clone()))?;
+        let material = material.unwrap_or_else(|| incise::pbd::Material::for_surface(&surface));
         with(scene, |scene: &mut SceneObject| {
             out.write(scene.add_body(surface, &material)?);
             Ok(())
@@ -78,8 +75,8 @@ pub extern "C" fn incise_scene_add_body(
 
 /// Changes the material of a body from the next frame on.
 ///
-/// Refused for another density, and where bending or springs come or go: these are made with the
-/// body.
+/// Refused for another density or other cells, and where bending comes or goes: these are made
+/// with the body.
 #[unsafe(no_mangle)]
 pub extern "C" fn incise_body_set_material(
     scene: *mut Scene,

@@ -124,7 +124,7 @@ fn flag(value: u32, name: &str) -> Result<bool, Error> {
     }
 }
 
-/// A solid that keeps its volume and shape.
+/// A solid as heavy as water, 100 kPa.
 pub const INCISE_MATERIAL_SOFT_BODY: u32 = 0;
 /// A stiff shell that keeps its curvature.
 pub const INCISE_MATERIAL_SHELL: u32 = 1;
@@ -132,6 +132,16 @@ pub const INCISE_MATERIAL_SHELL: u32 = 1;
 pub const INCISE_MATERIAL_CLOTH: u32 = 2;
 /// A stiff shell that bends freely.
 pub const INCISE_MATERIAL_LIMP_SHELL: u32 = 3;
+/// Human skin, 420 kPa.
+pub const INCISE_MATERIAL_SKIN: u32 = 4;
+/// A healthy human liver, 5.4 kPa.
+pub const INCISE_MATERIAL_LIVER: u32 = 5;
+/// Relaxed skeletal muscle, 12 kPa.
+pub const INCISE_MATERIAL_MUSCLE: u32 = 6;
+/// Gelatin of 5 %, 12.5 kPa.
+pub const INCISE_MATERIAL_JELLY: u32 = 7;
+/// Natural rubber, 2 MPa.
+pub const INCISE_MATERIAL_RUBBER: u32 = 8;
 
 /// Mass per area, in kg/m^2.
 pub const INCISE_DENSITY_AREA: u32 = 0;
@@ -232,13 +242,10 @@ impl From<&pbd::Material> for Material {
 impl Material {
     /// Returns a starting point by its constant.
     pub(crate) fn preset(preset: u32) -> Result<Self, Error> {
-        Ok(Self::from(&match preset {
-            INCISE_MATERIAL_SOFT_BODY => pbd::Material::soft_body(),
-            INCISE_MATERIAL_SHELL => pbd::Material::shell(),
-            INCISE_MATERIAL_CLOTH => pbd::Material::cloth(),
-            INCISE_MATERIAL_LIMP_SHELL => pbd::Material::default(),
-            preset => return Err(Error::constant("preset", preset)),
-        }))
+        let name = pbd::Material::PRESETS.get(preset as usize);
+        let material = name.and_then(|name| pbd::Material::preset(name));
+        let material = material.ok_or_else(|| Error::constant("preset", preset))?;
+        Ok(Self::from(&material))
     }
 
     /// Returns the material of the library. Ranges are checked when a body is added.
@@ -373,6 +380,11 @@ mod tests {
             (INCISE_MATERIAL_SHELL, pbd::Material::shell()),
             (INCISE_MATERIAL_CLOTH, pbd::Material::cloth()),
             (INCISE_MATERIAL_LIMP_SHELL, pbd::Material::default()),
+            (INCISE_MATERIAL_SKIN, pbd::Material::skin()),
+            (INCISE_MATERIAL_LIVER, pbd::Material::liver()),
+            (INCISE_MATERIAL_MUSCLE, pbd::Material::muscle()),
+            (INCISE_MATERIAL_JELLY, pbd::Material::jelly()),
+            (INCISE_MATERIAL_RUBBER, pbd::Material::rubber()),
         ] {
             let converted = Material::preset(preset).and_then(|material| material.check());
             assert_eq!(converted, Ok(material), "preset {preset}");

@@ -169,7 +169,7 @@ namespace Incise
         public uint CellsAcross;
         public float Damping, Friction;
 
-        /// <summary>Returns a solid that keeps its volume and shape.</summary>
+        /// <summary>Returns a solid as heavy as water, 100 kPa.</summary>
         public static Material SoftBody { get { return Preset(0); } }
 
         /// <summary>Returns a stiff shell that keeps its curvature.</summary>
@@ -180,6 +180,21 @@ namespace Incise
 
         /// <summary>Returns a stiff shell that bends freely.</summary>
         public static Material LimpShell { get { return Preset(3); } }
+
+        /// <summary>Returns human skin, 420 kPa.</summary>
+        public static Material Skin { get { return Preset(4); } }
+
+        /// <summary>Returns a healthy human liver, 5.4 kPa.</summary>
+        public static Material Liver { get { return Preset(5); } }
+
+        /// <summary>Returns relaxed skeletal muscle, 12 kPa.</summary>
+        public static Material Muscle { get { return Preset(6); } }
+
+        /// <summary>Returns gelatin of 5 %, 12.5 kPa.</summary>
+        public static Material Jelly { get { return Preset(7); } }
+
+        /// <summary>Returns natural rubber, 2 MPa.</summary>
+        public static Material Rubber { get { return Preset(8); } }
 
         static Material Preset(uint preset)
         {

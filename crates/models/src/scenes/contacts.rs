@@ -1,6 +1,6 @@
 //! Bodies that fall on others or hit them, and plates that close on a body.
 
-use super::{Grouping, ScriptedScene, cuboid, grouped, pin, throw, touching, weightless};
+use super::{Grouping, ScriptedScene, cuboid, grouped, pin, sprung, throw, touching, weightless};
 use crate::place;
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3, cube_sphere, icosphere, sheet};
@@ -41,7 +41,7 @@ pub fn bars(
     });
     let material = Material {
         stretch: Stiffness::Compliance(0.0),
-        ..Material::soft_body()
+        ..sprung()
     };
     let surfaces = [lower, upper];
     let (mut scene, parts) = grouped(backend, touching(), &surfaces, grouping, &material)?;
@@ -76,7 +76,7 @@ pub fn block_on_plate(
     let plate = cuboid([1.0, PLATE, 1.0], [10, 1, 10]);
     let mut block = cuboid([0.2; 3], [3; 3]);
     place(&mut block, |p| p + Vec3::new(0.013, 0.15, 0.007));
-    let (surfaces, material) = ([plate, block], Material::soft_body());
+    let (surfaces, material) = ([plate, block], sprung());
     let (mut scene, parts) = grouped(backend, touching(), &surfaces, grouping, &material)?;
     pin(&mut scene, parts[0], |p| {
         p.x.abs() > 0.49 || p.z.abs() > 0.49

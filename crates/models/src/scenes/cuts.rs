@@ -7,7 +7,7 @@ use super::{
 use crate::{Model, build_model, place};
 use incise_cut::{CutError, CutParams, Cutter, Sweep};
 use incise_mesh::{Surface, Vec3, VertexId, cube_sphere, icosphere};
-use incise_pbd_gpu::{InteriorSprings, Material, Stiffness, Volume};
+use incise_pbd_gpu::{Material, Stiffness, Volume};
 use incise_scene::{BackendRequest, ContactParams, Scene, SceneError, SceneParams};
 
 /// Slices of a block.
@@ -73,7 +73,7 @@ fn cut_at_random(
     Ok(ScriptedScene::new(scene, cut))
 }
 
-/// Builds a weightless, damped ball that is cut along a random plane in each of the first frames.
+/// Builds a weightless ball that is cut along a random plane in each of the first frames.
 ///
 /// # Errors
 /// As [`Scene::with_backend`].
@@ -82,8 +82,7 @@ pub fn slivers(backend: &BackendRequest, seed: u64) -> Result<ScriptedScene, Sce
     cut_at_random(backend, weightless(), ball, &material, SLICING, seed)
 }
 
-/// Builds an undamped bunny that is cut along a random plane in each of the first frames of its
-/// fall.
+/// Builds a bunny that is cut along a random plane in each of the first frames of its fall.
 ///
 /// # Errors
 /// As [`Scene::with_backend`].
@@ -96,11 +95,7 @@ pub fn shatter(
         contacts,
         ..touching()
     };
-    let material = Material {
-        damping: 0.0,
-        ..Material::soft_body()
-    };
-    let bunny = build_model(Model::Bunny);
+    let (bunny, material) = (build_model(Model::Bunny), Material::soft_body());
     cut_at_random(backend, params, bunny, &material, SHATTERING, seed)
 }
 
@@ -121,22 +116,24 @@ pub fn split_plate(
     Ok(scene.into())
 }
 
-/// Returns a stiff and a soft body with interior springs, and one of skin and volume only.
+/// Returns a stiff and a soft solid, and a body of skin and volume only.
 #[must_use]
 pub fn sliced_materials() -> [(&'static str, Material); 3] {
-    let with = |stretch, interior_springs| Material {
-        stretch: Stiffness::Compliance(stretch),
+    let solid = |young_modulus| Material {
+        friction: 0.7,
+        ..Material::solid(young_modulus, 0.45, 1000.0)
+    };
+    let skin = Material {
+        stretch: Stiffness::Compliance(1e-5),
         volume: Some(Volume::default()),
-        interior_springs,
         damping: 1.0,
         friction: 0.7,
         ..Material::default()
     };
-    let springs = Some(InteriorSprings::default());
     [
-        ("stiff, with interior_springs", with(0.0, springs)),
-        ("soft, with interior_springs", with(1e-4, springs)),
-        ("skin and volume", with(1e-5, None)),
+        ("stiff solid", solid(1e6)),
+        ("soft solid", solid(1e5)),
+        ("skin and volume", skin),
     ]
 }
 
@@ -167,17 +164,10 @@ pub fn slices(backend: &BackendRequest, material: &Material) -> Result<ScriptedS
 /// Returns a soft and a firm body.
 #[must_use]
 pub fn slit_materials() -> [(&'static str, Material); 2] {
-    let with = |compliance| Material {
-        stretch: Stiffness::Compliance(compliance),
-        volume: Some(Volume::default()),
-        interior_springs: Some(InteriorSprings {
-            density: 1.0,
-            stiffness: Stiffness::Compliance(compliance),
-        }),
-        damping: 4.0,
-        ..Material::default()
-    };
-    [("soft", with(1e-4)), ("firm", with(1e-5))]
+    [
+        ("soft", Material::soft_body()),
+        ("firm", Material::solid(1e6, 0.45, 1000.0)),
+    ]
 }
 
 /// Builds a weightless ball, slit from above to its center across the x axis.

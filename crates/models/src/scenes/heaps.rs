@@ -1,10 +1,10 @@
 //! Heaps of bodies that come to rest: small ones in a bowl, and models on each other.
 
-use super::{Directions, GROUND, Grouping, ScriptedScene, grouped, touching};
+use super::{Directions, GROUND, Grouping, ScriptedScene, grouped, sprung, touching};
 use crate::place;
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3, icosphere};
-use incise_pbd_gpu::{Collider, Material};
+use incise_pbd_gpu::Collider;
 use incise_scene::{BackendRequest, SceneError};
 use std::f64::consts::TAU;
 
@@ -58,7 +58,7 @@ fn poured(count: u32) -> Vec<Surface> {
 /// # Errors
 /// As [`incise_scene::Scene::with_backend`].
 pub fn bowl(backend: &BackendRequest, count: u32) -> Result<ScriptedScene, SceneError> {
-    let (balls, material) = (poured(count), Material::soft_body());
+    let (balls, material) = (poured(count), sprung());
     let (mut scene, _) = grouped(backend, touching(), &balls, Grouping::Bodies, &material)?;
     let plane = |number| {
         let (foot, normal) = wall(number);
@@ -89,7 +89,7 @@ pub fn heap(
         surface
     };
     let surfaces: Vec<Surface> = (0..MODELS).zip(models.iter().cycle()).map(above).collect();
-    let material = Material::soft_body();
+    let material = sprung();
     let (mut scene, _) = grouped(backend, touching(), &surfaces, grouping, &material)?;
     scene.colliders.push(GROUND);
     Ok(scene.into())

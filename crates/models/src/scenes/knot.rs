@@ -1,9 +1,8 @@
 //! A rope with a knot that is pulled tight.
 
-use super::{Grouping, ScriptedScene, grouped, pin, solids, weightless};
+use super::{Grouping, ScriptedScene, grouped, pin, solids, sprung, weightless};
 use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3, VertexId};
-use incise_pbd_gpu::Material;
 use incise_scene::{BackendRequest, ContactParams, Scene, SceneError, SceneParams};
 
 /// Vertices of a ring.
@@ -75,7 +74,7 @@ pub fn knot(backend: &BackendRequest) -> Result<(ScriptedScene, Rope), SceneErro
         }),
         ..weightless()
     };
-    let (material, grouping) = (Material::soft_body(), Grouping::Bodies);
+    let (material, grouping) = (sprung(), Grouping::Bodies);
     let (mut scene, parts) = grouped(backend, params, &[surface], grouping, &material)?;
     let (first, last) = (curve[0], curve[curve.len() - 1]);
     let along = (last - first).normalize();

@@ -14,11 +14,16 @@ fn every_scene_has_a_name_of_its_own_and_moves() {
             scene.bodies().map(of).collect::<Vec<_>>()
         };
         let before = positions(&scripted.scene);
-        for _ in 0..3 {
+        let mut after = before.clone();
+        // The plates reach the bunny in frame 12.
+        for frame in 0..13 {
             scripted.step().unwrap();
+            after = positions(&scripted.scene);
+            if frame >= 2 && before != after {
+                break;
+            }
         }
         assert!(scripted.scene.failed_cuts().is_empty(), "{}", named.name);
-        let after = positions(&scripted.scene);
         assert!(before != after, "{} moves", named.name);
         let mut all = after.iter().flatten().flatten();
         assert!(all.all(|c| c.is_finite()), "{}", named.name);

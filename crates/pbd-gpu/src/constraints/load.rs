@@ -59,15 +59,7 @@ impl Constraints {
             return broken("a solid has an inside", None);
         }
         if of.solid.is_some() {
-            let is_empty = self.stretch.is_empty()
-                && self.bending.is_none()
-                && self.interior_springs.is_none()
-                && self.volumes.pieces.is_empty();
-            return if is_empty {
-                Ok(())
-            } else {
-                broken("a solid has no constraints of its surface", None)
-            };
+            return self.check_surface_is_free();
         }
         if self.bending.is_some() != of.bending.is_some()
             || self.interior_springs.is_some() != of.interior_springs.is_some()

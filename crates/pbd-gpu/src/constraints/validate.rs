@@ -17,6 +17,10 @@ impl Constraints {
         surface: &Surface,
         has_volumes: bool,
     ) -> Result<(), InvalidConstraints> {
+        if let Some(interior) = &self.interior {
+            self.check_surface_is_free()?;
+            return interior.validate(surface);
+        }
         let topology = surface.topology();
         let (mut stretch, mut bending) = (Vec::new(), Vec::new());
         for h in topology.edges() {
@@ -79,6 +83,19 @@ impl Constraints {
             return broken("one record per edge", None);
         }
         self.check_slots(topology)
+    }
+
+    /// Checks that no constraint acts between vertices, as in a solid.
+    pub(super) fn check_surface_is_free(&self) -> Result<(), InvalidConstraints> {
+        let is_free = self.stretch.is_empty()
+            && self.bending.is_none()
+            && self.interior_springs.is_none()
+            && self.volumes.pieces.is_empty();
+        if is_free {
+            Ok(())
+        } else {
+            broken("a solid has no constraints of its surface", None)
+        }
     }
 
     fn check_slots(&self, topology: &Topology) -> Result<(), InvalidConstraints> {

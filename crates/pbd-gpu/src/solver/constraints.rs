@@ -163,10 +163,12 @@ impl Solver {
         let old = self.material;
         let kinds = |of: &Material| (of.bending.is_some(), of.interior_springs.is_some());
         let ((bends, springs), (bent, sprung)) = (kinds(material), kinds(&old));
+        let cells = |of: &Material| of.solid.map(|solid| (solid.cell_size, solid.cells_across));
         for (name, is_kept) in [
             ("density", material.density == old.density),
             ("bending", bends == bent),
             ("interior springs", springs == sprung),
+            ("cells of a solid", cells(material) == cells(&old)),
         ] {
             if !is_kept {
                 return Err(ConstraintError::FixedMaterial { name });

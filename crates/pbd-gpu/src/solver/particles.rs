@@ -189,6 +189,9 @@ impl Solver {
     }
 
     /// Returns the linear momentum of the body [kg m/s].
+    ///
+    /// Of a solid, that of its nodes, which take velocities that were set in the next step. So do
+    /// [`Self::angular_momentum`] and [`Self::kinetic_energy`].
     #[must_use]
     pub fn momentum(&self) -> [f64; 3] {
         let (masses, velocities) = self.moving_masses();

@@ -4,7 +4,7 @@ use incise_mesh::geometry::to_f32;
 use incise_mesh::{Surface, Vec3, VertexId};
 use incise_pbd_gpu::{
     Collider, ConstraintError, Density, Integrator, Material, Pass, Solver, SolverParams,
-    StepError, Stiffness,
+    StepError, Stiffness, Volume,
 };
 use incise_test_support::surfaces::{sphere, two_spheres};
 
@@ -207,7 +207,12 @@ fn damping_equals_its_closed_form() {
 #[test]
 fn damping_slows_neither_fall_nor_spin() {
     let mut surface = sphere(2, [0.0; 3]);
-    let mut solver = Solver::new(&mut surface, &Material::soft_body()).unwrap();
+    let damped = Material {
+        volume: Some(Volume::default()),
+        damping: 1.0,
+        ..Material::default()
+    };
+    let mut solver = Solver::new(&mut surface, &damped).unwrap();
     for v in surface.topology().vertices() {
         let [x, _, z] = to_f32(surface.position(v));
         solver.set_velocity(v, [2.0 * z, 0.0, -2.0 * x]).unwrap();

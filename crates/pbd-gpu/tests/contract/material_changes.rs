@@ -105,10 +105,7 @@ fn stretch_can_be_changed_between_frames() {
 
 #[test]
 fn a_changed_material_acts_as_one_from_the_start() {
-    let before = Material {
-        volume: None,
-        ..Material::soft_body()
-    };
+    let before = Material::default();
     let after = Material {
         stretch: Stiffness::Compliance(1e-3),
         bending: Some(Stiffness::Compliance(0.1)),
@@ -149,6 +146,13 @@ fn parts_of_a_material_that_are_made_with_the_body_are_fixed() {
             "bending",
             Material {
                 bending: None,
+                ..same
+            },
+        ),
+        (
+            "cells of a solid",
+            Material {
+                solid: Some(Default::default()),
                 ..same
             },
         ),

@@ -80,10 +80,11 @@ fn constraint(error: ConstraintError) -> PyErr {
 impl Scene {
     /// Adds a mesh as a body at rest and returns its number.
     ///
-    /// `material` is "soft-body" (default), "shell", "limp-shell" or "cloth". The parameters
-    /// `Material` of `docs/parameters.md` replace its values, for example `density={"per_volume":
-    /// 1000.0}`, `bending={"compliance": 1e-4}` or `friction=0.3`. None removes bending, volume or
-    /// springs.
+    /// `material` is a solid: "soft-body", "skin", "liver", "muscle", "jelly" or "rubber"; or
+    /// "shell", "limp-shell" or "cloth". By default it is "soft-body", or "cloth" for a mesh with a
+    /// boundary. The parameters `Material` of `docs/parameters.md` replace its values, for example
+    /// `density={"per_volume": 900.0}`, `solid={"young_modulus": 5e4}` or `friction=0.3`. None
+    /// removes bending or volume.
     ///
     /// All positions in a scene are relative to the `origin` of the first mesh; others are moved
     /// to it. Raises `TopologyError`, and `SceneError` for values out of range.
@@ -96,19 +97,18 @@ impl Scene {
         keys: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<usize> {
         let preset = |name| params::choice(name, "material", &Material::PRESETS, Material::preset);
-        let mut material = material.map_or_else(|| Ok(Material::soft_body()), preset)?;
+        let material = material.map(preset).transpose()?;
+        let surface = py.detach(|| mesh.surface().or_raise().cloned())?;
+        let mut material = material.unwrap_or_else(|| Material::for_surface(&surface));
         params::set(&mut material, keys)?;
         let scene = &mut self.scene;
-        let body = py.detach(|| {
-            let surface = mesh.surface().or_raise()?.clone();
-            scene.add_body(surface, &material).or_raise()
-        })?;
+        let body = py.detach(|| scene.add_body(surface, &material).or_raise())?;
         Ok(body.index())
     }
 
     /// Changes the material of a body from the next frame on, by the keys of `add_body`.
     ///
-    /// Values without a key stay. The density cannot change, bending and springs cannot come or go:
+    /// Values without a key stay. The density and cells cannot change, bending cannot come or go:
     /// they are made with the body. Raises `SceneError`, and nothing has changed.
     #[pyo3(signature = (body, **keys))]
     fn set_material(&mut self, body: Number, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {

@@ -3,8 +3,9 @@
 use crate::contacts::{above, merged, with_springs};
 use incise_cut::Sweep;
 use incise_mesh::{Surface, TriangleId, VertexId, cube_sphere, icosphere};
+use incise_models::scenes::sprung;
 use incise_models::{Model, build_model};
-use incise_pbd_gpu::{Collider, Material};
+use incise_pbd_gpu::Collider;
 use incise_scene::{BodyId, ContactParams, Scene, SceneParams, SleepParams};
 use incise_test_support::materials::firm;
 use incise_test_support::surfaces::scaled;
@@ -55,7 +56,7 @@ fn star() -> Surface {
 #[ignore = "long"]
 fn pieces_of_seven_cuts_in_flight_do_not_turn_inside_out() {
     let mut scene = above(-1.5);
-    let id = scene.add_body(star(), &Material::soft_body()).unwrap();
+    let id = scene.add_body(star(), &sprung()).unwrap();
     for (normal, offset) in [
         ([-0.5127, 0.3423, 0.7874], -0.010982),
         ([0.6819, 0.2266, 0.6955], -0.12939),
@@ -211,7 +212,7 @@ fn balls_in_a_funnel(layers: u8) -> (Scene, Vec<BodyId>, f32) {
             *p = [0, 1, 2].map(|k| p[k] + center[k]);
         }
         let ball = scaled(ball, [radius; 3]);
-        ids.push(scene.add_body(ball, &Material::soft_body()).unwrap());
+        ids.push(scene.add_body(ball, &sprung()).unwrap());
     }
     for wall in 0..8_u8 {
         let (sin, cos) = (TAU * f32::from(wall) / 8.0).sin_cos();
@@ -257,7 +258,7 @@ fn a_heap_of_balls_comes_to_rest() {
 fn a_ball_between_tilted_plates_keeps_its_volume() {
     for degrees in [0.0_f32, 0.01, 17.0, 45.0] {
         let mut scene = Scene::new(SceneParams::default());
-        let id = (scene.add_body(icosphere(3, 0.5), &Material::soft_body())).unwrap();
+        let id = (scene.add_body(icosphere(3, 0.5), &sprung())).unwrap();
         let (sin, cos) = degrees.to_radians().sin_cos();
         let whole = scene.body(id).unwrap().surface().volume();
         for frame in 0..90_u8 {
@@ -294,7 +295,7 @@ fn a_pressed_block_comes_to_rest() {
         *p = [x, y + half, z];
     }
     let block = scaled(block, [1.0; 3]);
-    let id = scene.add_body(block, &Material::soft_body()).unwrap();
+    let id = scene.add_body(block, &sprung()).unwrap();
     let whole = scene.body(id).unwrap().surface().volume();
     for frame in 0..300_u16 {
         let height = (top[0] - 0.2 * f32::from(frame) / 60.0).max(top[1]);

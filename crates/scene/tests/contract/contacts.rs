@@ -11,6 +11,7 @@ mod sheets;
 mod turned;
 
 use incise_mesh::{Bvh, Surface, TriangleId, VertexId, cube_sphere};
+use incise_models::scenes::sprung;
 use incise_pbd_gpu::{
     Collider, InteriorSprings, Material, Solver, SolverParams, Stiffness, Volume,
 };

@@ -110,7 +110,7 @@ fn hanging_cloth_is_cut_in_two_step_by_step() {
 
 #[test]
 fn a_sheet_of_any_material_is_cut_with_contacts() {
-    for material in [Material::default(), Material::soft_body()] {
+    for material in [Material::default(), Material::shell(), Material::cloth()] {
         let (mut scene, body, blade) = scene(&material);
         scene.params.contacts = Some(ContactParams {
             self_collision: true,

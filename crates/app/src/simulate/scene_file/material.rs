@@ -34,22 +34,18 @@ impl MaterialFile {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use incise_pbd_gpu::{Density, InteriorSprings, Stiffness, Volume};
+    use incise_pbd_gpu::{Density, Stiffness, Volume};
 
     #[test]
     fn keys_replace_values_of_the_preset() {
         let text = "preset = \"cloth\"\ndensity = { per_volume = 900 }\n\
                     bending = { stiffness = 0.5 }\nvolume = {}\n\
-                    interior_springs = { stiffness = { compliance = 1e-5 } }\nfriction = 0.25";
+                    friction = 0.25";
         let file: MaterialFile = toml::from_str(text).unwrap();
         let expected = Material {
             density: Density::Volume(900.0),
             bending: Some(Stiffness::Pbd(0.5)),
             volume: Some(Volume::default()),
-            interior_springs: Some(InteriorSprings {
-                stiffness: Stiffness::Compliance(1e-5),
-                ..InteriorSprings::default()
-            }),
             friction: 0.25,
             ..Material::cloth()
         };
@@ -58,7 +54,8 @@ mod tests {
         let error = error.material().unwrap_err().to_string();
         assert_eq!(
             error,
-            "preset is 'steel'; it must be one of soft-body, shell, limp-shell, cloth"
+            "preset is 'steel'; it must be one of soft-body, shell, cloth, limp-shell, skin, \
+             liver, muscle, jelly, rubber"
         );
     }
 }

@@ -2,7 +2,7 @@
 
 use super::params;
 use incise_mesh::{Surface, VertexId, icosphere};
-use incise_pbd_gpu::Material;
+use incise_models::scenes::sprung;
 use incise_scene::{BodyId, ContactParams, Scene};
 
 /// Returns a weightless scene with self-collision, in which a body is scaled along y.
@@ -13,7 +13,7 @@ fn scaled(surface: Surface, scale: f32) -> (Scene, BodyId) {
         ..ContactParams::default()
     });
     let mut scene = Scene::new(params);
-    let id = scene.add_body(surface, &Material::soft_body()).unwrap();
+    let id = scene.add_body(surface, &sprung()).unwrap();
     let (_, surface) = scene.edit(id).unwrap().solver_mut();
     for p in surface.positions_mut() {
         p[1] *= scale;

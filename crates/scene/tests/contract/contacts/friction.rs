@@ -2,7 +2,8 @@
 
 use super::{cube, merged, moved, params};
 use incise_mesh::Surface;
-use incise_pbd_gpu::{Collider, Material};
+use incise_models::scenes::sprung;
+use incise_pbd_gpu::Collider;
 use incise_scene::{BodyId, Scene, SleepParams};
 
 /// Turns a surface at rest downhill along x, around the origin.
@@ -21,7 +22,7 @@ fn on_an_incline(degrees: f32, frames: usize) -> (Scene, BodyId) {
     let mut scene = Scene::new(params);
     let slab = moved(&cube(6), [0.0, -0.15, 0.0], [1.5, 0.15, 1.5]);
     let block = moved(&cube(3), [0.0, 0.16, 0.0], [0.15; 3]);
-    let material = Material::soft_body();
+    let material = sprung();
     let slab = scene.add_body(inclined(slab, degrees), &material).unwrap();
     let (solver, surface) = scene.edit(slab).unwrap().solver_mut();
     let all: Vec<_> = surface.topology().vertices().collect();
@@ -82,7 +83,7 @@ fn way_down(degrees: f32, is_ground: bool) -> f64 {
         });
         inclined(block, degrees)
     };
-    let id = scene.add_body(surface, &Material::soft_body()).unwrap();
+    let id = scene.add_body(surface, &sprung()).unwrap();
     let along = |scene: &Scene| {
         let surface = scene.body(id).unwrap().surface();
         let [x, y, _] = surface.bounds().center().into();

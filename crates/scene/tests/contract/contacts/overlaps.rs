@@ -8,7 +8,7 @@ use incise_mesh::{Vec3, icosphere, torus};
 fn add(scene: &mut Scene, shape: &Surface, at: [f32; 3], scale: f32) -> BodyId {
     let surface = moved(shape, at, [scale; 3]);
     let surface = merged(&[surface]);
-    scene.add_body(surface, &Material::soft_body()).unwrap()
+    scene.add_body(surface, &sprung()).unwrap()
 }
 
 fn weightless() -> Scene {
@@ -271,7 +271,7 @@ fn a_hollow_body_and_one_in_its_cavity_stay() {
     for parts in [&[skin.clone(), wall.clone()][..], &[skin, wall, inner]] {
         let mut scene = weightless();
         let surface = merged(parts);
-        let id = scene.add_body(surface, &Material::soft_body()).unwrap();
+        let id = scene.add_body(surface, &sprung()).unwrap();
         for _ in 0..60 {
             scene.step().unwrap();
         }
@@ -390,7 +390,7 @@ fn plate_in_pieces() -> Surface {
 fn pieces_of_a_thin_plate_stay_on_the_ground() {
     let mut scene = Scene::new(params([0.0, -9.81, 0.0]));
     scene.colliders.push(Collider::ground(-0.005));
-    let id = (scene.add_body(plate_in_pieces(), &Material::soft_body())).unwrap();
+    let id = (scene.add_body(plate_in_pieces(), &sprung())).unwrap();
     let mut highest = f64::NEG_INFINITY;
     for frame in 0..60 {
         scene.step().unwrap();

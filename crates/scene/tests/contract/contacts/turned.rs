@@ -66,7 +66,7 @@ fn rounding(frames: u16) -> f32 {
 #[test]
 fn a_block_falls_and_lands_alike_on_every_plane() {
     let materials = [
-        Material::soft_body(),
+        sprung(),
         Material {
             volume: Some(Volume::default()),
             friction: 0.0,
@@ -96,7 +96,7 @@ fn a_block_falls_and_lands_alike_on_every_plane() {
 #[test]
 fn a_block_rests_alike_on_every_plane() {
     let sorted = |turn: Turn| {
-        let positions = dropped(turn, &Material::soft_body(), 180);
+        let positions = dropped(turn, &sprung(), 180);
         let mut heights: Vec<f32> = positions.iter().map(|p| p[1]).collect();
         heights.sort_by(f32::total_cmp);
         heights

@@ -1,6 +1,7 @@
 //! Scenes for the tests of saving and loading.
 
 use incise_mesh::{Blend, Channel, Domain, Surface, VertexId, icosphere, sheet};
+use incise_models::scenes::sprung;
 use incise_pbd_gpu::{Collider, Material, PatchParams, SolverParams, Stiffness};
 use incise_scene::{BladeMode, BodyId, ContactParams, Scene, SceneParams, SleepParams};
 
@@ -62,7 +63,7 @@ pub(crate) fn busy(levels: [u32; 3], patches: &PatchParams) -> Scene {
     scene.colliders = vec![ball, Collider::ground(0.0)];
     let soft = Material {
         stretch: Stiffness::Compliance(1e-5),
-        ..Material::soft_body()
+        ..sprung()
     };
     let [upper, lower, hanging] = levels;
     let upper = moved(icosphere(upper, 0.25), [0.0, 1.0, 0.0]);
