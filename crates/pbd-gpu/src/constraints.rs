@@ -147,6 +147,15 @@ impl Constraints {
         }
     }
 
+    /// Finds the pieces as they are now, if the body was edited since: of vertices, or of the nodes
+    /// of a solid.
+    pub(crate) fn update_pieces(&mut self, surface: &Surface) {
+        match &self.interior {
+            Some(interior) => self.pieces.update_nodes(&interior.lattice),
+            None => self.pieces.update(surface),
+        }
+    }
+
     /// Adds vertices without constraints, or removes the last ones.
     pub(crate) fn resize_vertices(&mut self, slots: usize) {
         self.stretch.resize_vertices(slots);

@@ -166,10 +166,10 @@ pub enum StepError {
         /// Length of the substep \[s\].
         h: f32,
     },
-    /// The GPU backend supports surfaces with implicit Euler only.
+    /// The GPU backend supports implicit Euler only, and solids without contacts.
     #[error(
-        "the GPU backend supports surfaces with implicit Euler only; use Integrator::Euler, or \
-         step on the CPU, as solids need"
+        "the GPU backend supports implicit Euler only, and solids without contacts; use \
+         Integrator::Euler, or step on the CPU"
     )]
     UnsupportedOnGpu,
     /// The surface was edited, but the delta was not applied to the solver.

@@ -23,6 +23,7 @@ mod readback;
 mod records;
 mod runs;
 mod shaders;
+mod solid;
 mod stats;
 mod step;
 mod timestamps;

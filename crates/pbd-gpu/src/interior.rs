@@ -135,6 +135,18 @@ impl Interior {
         self.area_density
     }
 
+    /// Returns the coefficients of the last frame, for which the forces at nodes are summed.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn constants(&self) -> CellConstants {
+        self.constants
+    }
+
+    /// Returns the length of the edges of a cell \[m\].
+    #[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
+    pub(crate) fn cell_size(&self) -> f32 {
+        self.lattice.grid.cell_size() as f32
+    }
+
     /// Returns the coefficients of the cells in a substep of `h` \[s\].
     ///
     /// The forces that the first one repeats are those of these coefficients.

@@ -16,7 +16,7 @@ use crate::constraints::Constraints;
 use crate::constraints::colliders::ColliderRecord;
 use crate::error::{ConstraintError, StepError};
 use crate::follow::FollowState;
-use crate::interior::{Interior, stiffness};
+use crate::interior::Interior;
 use crate::kernels::elastic::ElasticSets;
 use crate::kernels::integrate::{are_finite, first_non_finite};
 use crate::mass::masses;
@@ -245,9 +245,7 @@ impl Solver {
     pub(crate) fn guarded<'a>(&'a mut self, surface: &'a Surface) -> GuardedBody<'a> {
         let (positions, velocities, cells) = match &mut self.constraints.interior {
             Some(interior) => {
-                let size = interior.lattice.grid.cell_size();
-                let solid = self.material.solid.unwrap_or_default();
-                let cells = Some((&interior.cells, stiffness(&solid, size)));
+                let cells = Some(&interior.cells);
                 (&interior.positions[..], &mut interior.velocities, cells)
             }
             None => (surface.positions(), &mut self.particles.velocities, None),

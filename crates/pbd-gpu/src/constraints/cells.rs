@@ -127,11 +127,6 @@ impl CellBatch {
     pub(crate) fn len(&self) -> usize {
         self.len
     }
-
-    /// Returns the number of cells of a block.
-    pub(crate) fn count(&self, block: usize) -> usize {
-        (self.len - block * CELLS_PER_BLOCK).min(CELLS_PER_BLOCK)
-    }
 }
 
 impl CellSet {
@@ -174,6 +169,18 @@ impl CellSet {
     /// Returns all batches, the overflow last.
     fn all(&self) -> impl Iterator<Item = &CellBatch> {
         self.batches.iter().chain([&self.overflow])
+    }
+
+    /// Returns the block and the lane of every cell, in the order of a sweep.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (&CellBlock, usize)> {
+        self.all().flat_map(|batch| {
+            (0..batch.len).map(|index| {
+                (
+                    &batch.blocks[index / CELLS_PER_BLOCK],
+                    index % CELLS_PER_BLOCK,
+                )
+            })
+        })
     }
 
     /// Adds nodes without cells, or removes the last ones.
@@ -265,6 +272,18 @@ impl CellSet {
         )
     }
 
+    /// Sets the states of all cells, in the order of [`Self::iter`].
+    #[cfg(feature = "gpu")]
+    pub(crate) fn set_states(&mut self, mut states: impl Iterator<Item = CellState>) {
+        for batch in self.batches.iter_mut().chain([&mut self.overflow]) {
+            for index in 0..batch.len {
+                let Some(state) = states.next() else { return };
+                let (block, lane) = at(batch, index);
+                set_state(block, lane, &state);
+            }
+        }
+    }
+
     /// Sets the forces of cells on changed nodes that the next prediction repeats \[N\].
     pub(crate) fn sum_forces(
         &self,
@@ -277,13 +296,9 @@ impl CellSet {
                 *force = [0.0; 4];
             }
         }
-        for batch in self.all() {
-            for index in 0..batch.len {
-                let (block, lane) = (index / CELLS_PER_BLOCK, index % CELLS_PER_BLOCK);
-                let block = &batch.blocks[block];
-                if block.nodes[lane].iter().any(|&node| is_changed(node)) {
-                    add_forces(node_forces, block, lane, constants, &is_changed);
-                }
+        for (block, lane) in self.iter() {
+            if block.nodes[lane].iter().any(|&node| is_changed(node)) {
+                add_forces(node_forces, block, lane, constants, &is_changed);
             }
         }
     }

@@ -122,6 +122,8 @@ impl FollowState {
         delta: &TopologyDelta,
         density: f64,
     ) {
+        // The upload to a GPU has no part smaller than the inside of a solid.
+        self.log.mark_all();
         let slots = surface.topology().vertex_slots();
         particles.resize(slots.max(particles.len()));
         interpolate(&mut particles.velocities, delta);

@@ -13,7 +13,6 @@ use super::stats::{GpuMemory, GpuStats, Schedule};
 use super::timestamps::Timestamps;
 use super::uniforms::Uniforms;
 use super::upload::Uploads;
-use crate::error::StepError;
 use crate::follow::changes::Changes;
 use crate::solver::Solver;
 use crate::step::plan::StepPlan;
@@ -231,12 +230,8 @@ impl GpuBackend {
     /// Adds a body and uploads it. The solver must be that of the surface.
     ///
     /// # Errors
-    /// [`GpuError`] if the body does not fit in GPU memory, and
-    /// [`StepError::UnsupportedOnGpu`] for a solid; nothing is changed then.
+    /// [`GpuError`] if the body does not fit in GPU memory; nothing is changed then.
     pub fn add(&mut self, surface: &Surface, solver: &mut Solver) -> Result<GpuBody, GpuError> {
-        if solver.is_solid() {
-            return Err(StepError::UnsupportedOnGpu.into());
-        }
         let (slots, _) = self.arenas.bodies.allocate(&self.context, 1)?;
         let slot = slots.start;
         let i = slot as usize;

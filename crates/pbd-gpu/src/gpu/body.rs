@@ -9,6 +9,7 @@ use super::layout::{BodyRecord, Motion, PATCH_LAYERS, RUN_COLORS, RUN_STRIDE, Ru
 use super::patch_blocks::Blocks;
 use super::records::{Places, body_record, inverse_mass, motion, position};
 use super::runs::Runs;
+use super::solid::{DeviceSolid, embedded_position};
 use super::stats::Schedule;
 use super::upload::{Target, Uploads};
 use super::volumes::DeviceVolumes;
@@ -67,6 +68,8 @@ pub(super) struct DeviceBody {
     stretch: Runs,
     bending: Runs,
     interior_springs: Runs,
+    /// The inside of a solid, whose nodes are the particles.
+    pub(super) solid: Option<DeviceSolid>,
     /// Patches by layer; empty unless the body is divided.
     patches: [Blocks; PATCH_LAYERS],
     /// True if constraints within patches are in blocks and not in runs.
@@ -104,6 +107,7 @@ impl DeviceBody {
             stretch: Runs::default(),
             bending: Runs::default(),
             interior_springs: Runs::default(),
+            solid: None,
             patches: std::array::from_fn(|_| Blocks::default()),
             is_divided: false,
             pins: 0..0,
@@ -120,6 +124,13 @@ impl DeviceBody {
             record: BodyRecord::zeroed(),
             schedule: Schedule::WholeBody,
         }
+    }
+
+    /// Returns the first particle in the arena and the number of particles: vertices, or nodes of a
+    /// solid.
+    pub(super) fn particles(&self) -> [u32; 2] {
+        let vertices = [self.vertices.start, self.vertex_count];
+        self.solid.as_ref().map_or(vertices, DeviceSolid::nodes)
     }
 
     /// Returns the body's first vertex in the arena.
@@ -197,6 +208,9 @@ impl DeviceBody {
         self.stretch.free(&mut arenas.entries);
         self.bending.free(&mut arenas.entries);
         self.interior_springs.free(&mut arenas.entries);
+        if let Some(mut solid) = self.solid.take() {
+            solid.free(arenas);
+        }
         for blocks in &mut self.patches {
             blocks.free(&mut arenas.entries);
         }
@@ -249,6 +263,11 @@ impl DeviceBody {
         let mut moved = everything || self.vertices.start != before;
         if everything {
             self.upload_vertices(context, arenas, uploads, surface, solver);
+            if let Some(interior) = solver.interior() {
+                let solid = self.solid.insert(DeviceSolid::new());
+                let vertices = surface.positions().len();
+                solid.upload(context, arenas, uploads, interior, vertices)?;
+            }
         } else {
             for &v in &changes.vertices {
                 let value = position(surface, solver, v);
@@ -300,13 +319,19 @@ impl DeviceBody {
         let buffer = arenas.bodies.buffer(RUN_TABLES);
         let run = size_of::<Run>() as u64;
         let mut start = u64::from(self.slot) * u64::from(RUN_STRIDE) * run;
+        let mut table = Vec::new();
         for runs in [&self.stretch, &self.bending, &self.interior_springs] {
-            let mut table = Vec::new();
+            table.clear();
             runs.push_table(&mut table);
             uploads.send(context, buffer, start, bytemuck::cast_slice(&table));
             start += RUN_COLORS as u64 * run;
             let overflow = runs.overflow_run();
             uploads.send(context, buffer, start - run, bytemuck::bytes_of(&overflow));
+        }
+        if let Some(solid) = &self.solid {
+            table.clear();
+            solid.push_table(&mut table);
+            uploads.send(context, buffer, start, bytemuck::cast_slice(&table));
         }
     }
 
@@ -360,9 +385,16 @@ impl DeviceBody {
         constants: &StepConstants,
         guard: Option<&GuardInputs>,
     ) {
+        if let Some(solid) = &mut self.solid {
+            solid.set_constants(constants.cells);
+        }
+        let [first_vertex, vertices] = self.particles();
+        let solid = self.solid.as_ref();
         let places = Places {
-            first_vertex: self.vertices.start,
-            vertices: self.vertex_count,
+            first_vertex,
+            vertices,
+            first_surface_vertex: self.vertices.start,
+            surface_vertices: self.vertex_count,
             first_pin: self.pins.start,
             pins: self.pin_count,
             first_attachment: self.attachments.start,
@@ -380,6 +412,8 @@ impl DeviceBody {
             planes: self.plane_count,
             first_guard: self.guard.first(),
             guard_pieces: self.guard.pieces,
+            solid: solid.map(DeviceSolid::places).unwrap_or_default(),
+            sums_forces: solid.is_some_and(DeviceSolid::needs_sums),
         };
         let record = body_record(places, constants, guard);
         let (old, new) = (
@@ -429,11 +463,17 @@ impl DeviceBody {
         solver: &Solver,
     ) {
         let offset = u64::from(self.vertices.start) * 16;
-        let positions: Vec<[f32; 4]> = (0..self.vertex_count)
-            .map(|v| position(surface, solver, v))
-            .collect();
+        let at = |v: u32| match solver.interior() {
+            Some(interior) => embedded_position(interior, v as usize),
+            None => position(surface, solver, v),
+        };
+        let positions: Vec<[f32; 4]> = (0..self.vertex_count).map(at).collect();
         let buffer = arenas.vertices.buffer(POSITIONS);
         uploads.send(context, buffer, offset, bytemuck::cast_slice(&positions));
+        if solver.is_solid() {
+            // Its nodes have the motion.
+            return;
+        }
         let buffer = arenas.vertices.buffer(MOTIONS);
         let motions: Vec<Motion> = (0..self.vertex_count).map(|v| motion(solver, v)).collect();
         let motions = bytemuck::cast_slice(&motions);

@@ -36,7 +36,10 @@ impl GpuBackend {
         }
         // Queued edits of other bodies must survive an error of this one.
         self.flush()?;
-        solver.step_parts().1.pieces.update(surface);
+        if solver.has_surface_changes() {
+            solver.adopt_motion(surface);
+        }
+        solver.step_parts().1.update_pieces(surface);
         let mut changes = std::mem::take(&mut self.changes);
         solver.take_changes(&mut changes);
         let done = self.send_changes(body, surface, solver, &changes);
@@ -77,7 +80,11 @@ impl GpuBackend {
         let mut moved = false;
         if changes.everything {
             let has_patches = solver.constraints().patches.is_some();
-            let schedule = choose(schedule, vertices, capacity);
+            let schedule = if solver.is_solid() {
+                Schedule::Patches
+            } else {
+                choose(schedule, vertices, capacity)
+            };
             resident.body.set_schedule(schedule, has_patches);
             // The solver may be another one, with other generations of plans.
             resident.plan = StepPlan::default();

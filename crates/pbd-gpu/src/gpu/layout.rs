@@ -8,8 +8,8 @@ use bytemuck::{Pod, Zeroable};
 /// Runs per body and kind of constraint: one per color, the overflow last.
 pub(crate) const RUN_COLORS: usize = OVERFLOW + 1;
 
-/// Runs per body: [`STRETCH`], then [`BENDING`], [`INTERIOR_SPRINGS`] and [`CONTACTS`].
-pub(crate) const RUNS_PER_BODY: usize = 4 * RUN_COLORS;
+/// Runs per body: [`STRETCH`], then [`BENDING`], [`INTERIOR_SPRINGS`], [`CELLS`] and [`CONTACTS`].
+pub(crate) const RUNS_PER_BODY: usize = 5 * RUN_COLORS;
 /// [`RUNS_PER_BODY`] as a 32-bit number.
 #[expect(clippy::cast_possible_truncation, reason = "some hundred")]
 pub(crate) const RUN_STRIDE: u32 = RUNS_PER_BODY as u32;
@@ -26,14 +26,36 @@ pub(crate) const BENDING: u32 = ConstraintKind::Bending as u32;
 /// Kind of a pass over interior springs, which are projected like stretch constraints.
 pub(crate) const INTERIOR_SPRINGS: u32 = ConstraintKind::InteriorSpring as u32;
 
+/// Kind of a pass over the cells of a solid.
+pub(crate) const CELLS: u32 = 3;
+
 /// Kind of a pass over contacts.
-pub(crate) const CONTACTS: u32 = 3;
+pub(crate) const CONTACTS: u32 = 4;
 
 /// Kind of a pass that finds the features of contacts.
-pub(crate) const CONTACT_FEATURES: u32 = 4;
+pub(crate) const CONTACT_FEATURES: u32 = 5;
 
 /// Kind of a pass that lets contacts separate without velocity.
-pub(crate) const CONTACT_RECOVERIES: u32 = 5;
+pub(crate) const CONTACT_RECOVERIES: u32 = 6;
+
+/// Kind of a pass that adds the forces of cells to those of nodes, as the prediction repeats them.
+pub(crate) const CELL_FORCES: u32 = 7;
+
+/// Entries of a cell: nodes; centroid and fraction; bending; mode weights; strain weight; state.
+pub(crate) const CELL_ENTRIES: usize = 24;
+
+/// First entry of the state of a cell: rotation; stress; forces of hourglass modes.
+pub(crate) const CELL_STATE: usize = 13;
+
+/// Entries of a vertex of a solid: nodes; weights.
+pub(crate) const EMBEDDING_ENTRIES: usize = 8;
+
+/// Entries of the start of a pinned vertex of a solid: x and y; z.
+pub(crate) const PIN_START_ENTRIES: usize = 2;
+
+/// Entries of a vertex of a solid near a collider: vertex and sum of normal pushes; sum of pushes
+/// by friction.
+pub(crate) const NEAR_ENTRIES: usize = 3;
 
 /// Entries of a contact, see [`ContactRecord`](crate::constraints::contacts::ContactRecord).
 pub(crate) const CONTACT_ENTRIES: usize =
@@ -95,6 +117,9 @@ pub(crate) const IS_UNLIMITED: u32 = 512;
 
 /// Flag of a body whose elastic energy is measured at the end of the frame.
 pub(crate) const MEASURES_ELASTIC_ENERGY: u32 = 1024;
+
+/// Flag of a solid whose forces at nodes are summed again before the frame.
+pub(crate) const SUMS_FORCES: u32 = 2048;
 
 /// Entries of a piece of the guard.
 ///
@@ -216,7 +241,7 @@ gpu_struct! {
         first_link: u32,
         /// Number of links, at least 1.
         links: u32,
-        /// [`STRETCH`], [`BENDING`], [`INTERIOR_SPRINGS`] or [`CONTACTS`].
+        /// [`STRETCH`] or one of the kinds after it.
         kind: u32,
         /// Color, or first color.
         color: u32,
@@ -234,9 +259,14 @@ gpu_struct! {
 gpu_struct! {
     /// Offsets and coefficients of a body.
     struct BodyRecord as "Body" {
+        /// First particle: a vertex, or a node of a solid.
         first_vertex: u32,
-        /// Vertex slots.
+        /// Number of particles: vertex slots, or nodes of a solid.
         vertices: u32,
+        /// First vertex of the surface.
+        first_surface_vertex: u32,
+        /// Vertex slots of the surface.
+        surface_vertices: u32,
         /// First pin in the [entries](Entry).
         first_pin: u32,
         pins: u32,
@@ -295,6 +325,24 @@ gpu_struct! {
         damping_factor: f32,
         /// Factor of the slack beyond the elastic energy, if that is measured in the frame.
         relaxation: f32,
+        /// Number of colors of cells.
+        cell_colors: u32,
+        /// First entry of the nodes and weights of vertices.
+        first_embedding: u32,
+        /// First entry of the starts of pinned vertices.
+        first_pin_start: u32,
+        /// First entry of the vertices near colliders: their number.
+        first_near: u32,
+        /// Length of the edges of a cell \[m\].
+        cell_size: f32,
+        /// Coefficients of cells, as in [`CellConstants`](crate::kernels::cells::CellConstants).
+        cell_scale: f32,
+        cell_unit: f32,
+        cell_shape: f32,
+        cell_volume: f32,
+        cell_hourglass: f32,
+        cell_square: f32,
+        cell_viscosity: f32,
     }
 }
 

@@ -23,6 +23,17 @@ const ALL_CONTACTS: PassUniform = PassUniform {
     ..PLAIN_PASS
 };
 
+/// A sweep over batches of one kind, in one direction.
+struct ColorSweep<'a> {
+    kind: u32,
+    /// The kernel of a large color, and that of several small ones.
+    kernel: EntryPoint,
+    tail: EntryPoint,
+    is_back: bool,
+    /// Returns the number of constraints of a batch of a body.
+    len: &'a dyn Fn(&Stepped<'_>, BatchId) -> u32,
+}
+
 impl Compiler<'_> {
     /// Adds a pass over vertices, pins or attachments.
     pub(super) fn vertices(&mut self, pass: Pass) -> Option<Dispatch> {
@@ -38,10 +49,42 @@ impl Compiler<'_> {
             Pass::LongRangeAttachments => b.body.attachment_count,
             Pass::CollidersBeforeVolumes if b.body.volumes.places.pieces == 0 => 0,
             Pass::CollidersBeforeVolumes | Pass::Colliders if b.body.collider_count == 0 => 0,
-            _ => b.body.vertex_count,
+            Pass::Predict | Pass::Colliders if b.body.solid.is_some() => 0,
+            _ => b.body.particles()[1],
         };
         let lanes: Vec<(u32, u32)> = (self.by_passes()).map(|b| (b.slot, lanes_of(b))).collect();
         self.dispatch(Kernel::Pass(kernel), PLAIN_PASS, by_substep, &lanes)
+    }
+
+    /// Adds a pass over solids: nodes, vertices, or one workgroup each.
+    pub(super) fn solids(&mut self, kernel: EntryPoint) -> Option<Dispatch> {
+        let workgroup = self.workgroup;
+        let lanes_of = |b: &Stepped<'_>| match kernel {
+            _ if b.body.solid.is_none() => 0,
+            EntryPoint::PredictNodes | EntryPoint::ClearForces => b.body.particles()[1],
+            EntryPoint::Embed => b.body.vertex_count,
+            EntryPoint::SolidPins => u32::from(b.body.pin_count > 0) * workgroup,
+            _ => u32::from(b.body.collider_count > 0) * workgroup,
+        };
+        let lanes: Vec<(u32, u32)> = (self.by_passes()).map(|b| (b.slot, lanes_of(b))).collect();
+        let by_substep = matches!(kernel, EntryPoint::SolidPins | EntryPoint::SolidColliders);
+        self.dispatch(Kernel::Pass(kernel), PLAIN_PASS, by_substep, &lanes)
+    }
+
+    /// Adds the dispatches over batches of cells, by the passes over them.
+    pub(super) fn cells(&mut self, kind: u32, run: &[Pass], out: &mut Vec<Dispatch>) {
+        let batches = run.iter().filter_map(|pass| match *pass {
+            Pass::Cells(batch) => Some(batch),
+            _ => None,
+        });
+        let sweep = ColorSweep {
+            kind,
+            kernel: EntryPoint::Cells,
+            tail: EntryPoint::CellTail,
+            is_back: false,
+            len: &|b, batch| (b.body.solid.as_ref()).map_or(0, |solid| solid.batch_len(batch)),
+        };
+        self.colors(batches.collect(), &sweep, out);
     }
 
     /// Adds the resets of multipliers, one dispatch per kind.
@@ -138,17 +181,42 @@ impl Compiler<'_> {
     }
 
     /// Adds the dispatches over the batches of one kind and layer.
+    pub(super) fn batches(&mut self, kind: ConstraintKind, run: &[Pass], out: &mut Vec<Dispatch>) {
+        let batches = run.iter().filter_map(|pass| pass.batch());
+        let sweep = ColorSweep {
+            kind: kind as u32,
+            kernel: match kind {
+                ConstraintKind::Bending => EntryPoint::Bending,
+                ConstraintKind::Stretch | ConstraintKind::InteriorSpring => EntryPoint::Stretch,
+            },
+            tail: EntryPoint::Tail,
+            is_back: run[0].is_back(),
+            len: &|b, batch| b.body.batch_len(kind, batch),
+        };
+        self.colors(batches.collect(), &sweep, out);
+    }
+
+    /// Adds the dispatches of a sweep over batches.
     ///
     /// Each color up to the last large one has a dispatch; all later ones share one. A reverse
     /// sweep has the same dispatches in reverse order.
-    pub(super) fn batches(&mut self, kind: ConstraintKind, run: &[Pass], out: &mut Vec<Dispatch>) {
-        let is_back = run[0].is_back();
+    fn colors(
+        &mut self,
+        mut batches: Vec<BatchId>,
+        sweep: &ColorSweep<'_>,
+        out: &mut Vec<Dispatch>,
+    ) {
+        let &ColorSweep {
+            kind,
+            kernel,
+            tail,
+            is_back,
+            len,
+        } = sweep;
         let before = out.len();
-        let mut batches: Vec<BatchId> = run.iter().filter_map(|pass| pass.batch()).collect();
         batches.sort_unstable();
         let is_large = |batch: &BatchId| {
-            *batch != BatchId::Overflow
-                && (self.by_passes()).any(|b| b.body.batch_len(kind, *batch) > SMALL_COLOR)
+            *batch != BatchId::Overflow && (self.by_passes()).any(|b| len(b, *batch) > SMALL_COLOR)
         };
         let large = batches
             .iter()
@@ -157,14 +225,10 @@ impl Compiler<'_> {
         let (large, small) = batches.split_at(large);
         for &batch in large {
             let lanes: Vec<(u32, u32)> = (self.by_passes())
-                .map(|b| (b.slot, b.body.batch_len(kind, batch)))
+                .map(|b| (b.slot, len(b, batch)))
                 .collect();
-            let kernel = match kind {
-                ConstraintKind::Bending => EntryPoint::Bending,
-                ConstraintKind::Stretch | ConstraintKind::InteriorSpring => EntryPoint::Stretch,
-            };
             let pass = PassUniform {
-                kind: kind as u32,
+                kind,
                 color: index_u32(batch.number()),
                 ..PLAIN_PASS
             };
@@ -175,21 +239,21 @@ impl Compiler<'_> {
         let first = colors.first().map_or(0, |batch| batch.number());
         let end = colors.last().map_or(0, |batch| batch.number() + 1);
         let holds = |b: &Stepped<'_>| {
-            let any = (first..end).any(|color| b.body.batch_len(kind, BatchId::Color(color)) > 0);
-            any || with_overflow && b.body.batch_len(kind, BatchId::Overflow) > 0
+            let any = (first..end).any(|color| len(b, BatchId::Color(color)) > 0);
+            any || with_overflow && len(b, BatchId::Overflow) > 0
         };
         let lanes: Vec<(u32, u32)> = (self.by_passes())
             .map(|b| (b.slot, if holds(b) { self.workgroup } else { 0 }))
             .collect();
         let pass = PassUniform {
-            kind: kind as u32,
+            kind,
             color: index_u32(first),
             colors: index_u32(end - first),
             with_overflow: u32::from(with_overflow),
             is_back: u32::from(is_back),
             ..PLAIN_PASS
         };
-        out.extend(self.dispatch(Kernel::Pass(EntryPoint::Tail), pass, false, &lanes));
+        out.extend(self.dispatch(Kernel::Pass(tail), pass, false, &lanes));
         if is_back {
             out[before..].reverse();
         }

@@ -4,7 +4,7 @@
 //! same arrays, so separate dispatches for each body would leave it idle.
 
 use super::body::DeviceBody;
-use super::layout::{Link, PassUniform, STRETCH};
+use super::layout::{CELL_FORCES, CELLS, Link, PassUniform, STRETCH};
 use super::pipelines::{Kernel, Lanes};
 use super::shaders::EntryPoint;
 use super::stats::Schedule;
@@ -57,6 +57,12 @@ pub(super) struct Program {
     pub(super) iteration: Vec<Dispatch>,
     pub(super) contact_round: Vec<Dispatch>,
     pub(super) epilogue: Vec<Dispatch>,
+    /// The sums of the forces of cells before the first substep, if they are needed.
+    pub(super) sums: Vec<Dispatch>,
+    /// The vertices of solids near colliders, before the first substep.
+    pub(super) near: Option<Dispatch>,
+    /// The vertices of solids, after the guard.
+    pub(super) embedding: Option<Dispatch>,
     /// The guard before and after all substeps, if a body has one.
     pub(super) guard: [Option<Dispatch>; 2],
     /// Bounding boxes after the last substep, if requested.
@@ -103,6 +109,9 @@ impl Program {
         compiler.is_later_round = false;
         let epilogue = compiler.merged(StepPlan::epilogue);
         compiler.program.epilogue = compiler.dispatches(&epilogue);
+        compiler.force_sums();
+        compiler.program.near = compiler.solids(EntryPoint::FindNear);
+        compiler.program.embedding = compiler.solids(EntryPoint::Embed);
         compiler.guard();
         compiler.bounds();
         compiler.program
@@ -129,7 +138,8 @@ impl Program {
             + u64::from(self.iterations) * (count(&self.iteration) + more_rounds)
             + count(&self.epilogue);
         let bounds = self.bounds.iter().flatten().count() * usize::from(with_bounds);
-        let once = self.whole.len() + bounds;
+        let solids = self.near.iter().chain(&self.embedding).count();
+        let once = self.whole.len() + bounds + solids;
         let all = u64::from(substeps).saturating_mul(substep);
         u32::try_from(all.saturating_add(once as u64)).unwrap_or(u32::MAX)
     }
@@ -138,7 +148,8 @@ impl Program {
     pub(super) fn kernels(&self) -> impl Iterator<Item = Kernel> {
         let lists = [&self.prologue, &self.iteration, &self.epilogue];
         let dispatches = lists.into_iter().flatten().chain(&self.whole);
-        dispatches.map(|d| d.kernel)
+        let of_solids = self.near.iter().chain(&self.embedding);
+        dispatches.chain(of_solids).map(|d| d.kernel)
     }
 
     /// Returns the kernels of bounding boxes.
@@ -195,6 +206,18 @@ impl Compiler<'_> {
             .map(|entry| self.dispatch(Kernel::Pass(entry), PLAIN_PASS, false, &lanes));
     }
 
+    /// Adds the sums of the forces of cells at nodes.
+    fn force_sums(&mut self) {
+        let mut sums = Vec::new();
+        sums.extend(self.solids(EntryPoint::ClearForces));
+        let merged = self.merged(StepPlan::iteration);
+        let cells: Vec<Pass> = (merged.into_iter())
+            .filter(|pass| matches!(pass, Pass::Cells(_)))
+            .collect();
+        self.cells(CELL_FORCES, &cells, &mut sums);
+        self.program.sums = sums;
+    }
+
     fn bounds(&mut self) {
         let lanes: Vec<(u32, u32)> = (self.bodies.iter())
             .map(|b| (b.slot, b.body.vertex_count))
@@ -221,7 +244,8 @@ impl Compiler<'_> {
         let mut out = Vec::new();
         let together = |a: &Pass, b: &Pass| {
             let is_same = a.kind_and_layer() == b.kind_and_layer() && a.is_back() == b.is_back();
-            a.kind_and_layer().is_some() && is_same
+            let are_cells = |a, b| matches!((a, b), (Pass::Cells(_), Pass::Cells(_)));
+            a.kind_and_layer().is_some() && is_same || are_cells(*a, *b)
         };
         // Both kinds of a layer share one dispatch over its patches.
         let mut layer = None;
@@ -240,6 +264,19 @@ impl Compiler<'_> {
                 | Pass::Contacts
                 | Pass::ContactRecovery => self.contacts(run[0], &mut out),
                 Pass::Volumes => self.volumes(&mut out),
+                Pass::Cells(_) => self.cells(CELLS, run, &mut out),
+                Pass::SolidPins => out.extend(self.solids(EntryPoint::SolidPins)),
+                Pass::SolidSupports => {
+                    out.extend(self.solids(EntryPoint::SolidPins));
+                    out.extend(self.solids(EntryPoint::SolidColliders));
+                }
+                Pass::Predict | Pass::Colliders => {
+                    out.extend(self.vertices(run[0]));
+                    out.extend(self.solids(match run[0] {
+                        Pass::Predict => EntryPoint::PredictNodes,
+                        _ => EntryPoint::SolidColliders,
+                    }));
+                }
                 pass => out.extend(self.vertices(pass)),
             }
         }

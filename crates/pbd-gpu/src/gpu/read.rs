@@ -6,6 +6,7 @@ use super::edit::check_slots;
 use super::error::GpuError;
 use super::layout::Report;
 use super::readback::Part;
+use super::solid::DeviceSolid;
 use crate::error::StepError;
 use crate::solver::Solver;
 use incise_mesh::{Aabb, Surface, VertexId};
@@ -79,6 +80,9 @@ impl GpuBackend {
             *bytes += data.len() as u64;
             let (report, data) = data.split_at(size_of::<Report>());
             let report = bytemuck::pod_read_unaligned::<Report>(report);
+            if let Some(solid) = &resident.body.solid {
+                return take_solid(solid, &report, data, surface, solver);
+            }
             finite(&report)?;
             let size = size_of_val(surface.positions());
             let (positions, data) = data.split_at(size);
@@ -143,12 +147,19 @@ impl GpuBackend {
             let body = &mut resident.body;
             let start = u64::from(body.first_vertex()) * 16;
             let bytes = u64::from(body.vertex_count) * 16;
-            let parts = [
-                report_part(&self.arenas, body.slot),
-                (self.arenas.vertices.buffer(POSITIONS), start, bytes),
-                (self.arenas.vertices.buffer(MOTIONS), 2 * start, 2 * bytes),
-                body.contacts.begin_copy(&self.arenas),
-            ];
+            let report = report_part(&self.arenas, body.slot);
+            let parts = match &body.solid {
+                Some(solid) => {
+                    let [positions, motions, cells] = solid.parts(&self.arenas);
+                    [report, positions, motions, cells]
+                }
+                None => [
+                    report,
+                    (self.arenas.vertices.buffer(POSITIONS), start, bytes),
+                    (self.arenas.vertices.buffer(MOTIONS), 2 * start, 2 * bytes),
+                    body.contacts.begin_copy(&self.arenas),
+                ],
+            };
             let frame = resident.frame;
             resident
                 .state
@@ -189,6 +200,32 @@ impl GpuBackend {
         }
         Ok(())
     }
+}
+
+/// Copies the downloaded state of a solid to its solver, and embeds its surface.
+fn take_solid(
+    solid: &DeviceSolid,
+    report: &Report,
+    data: &[u8],
+    surface: &mut Surface,
+    solver: &mut Solver,
+) -> Result<(), GpuError> {
+    if let Some(interior) = solver.interior_mut() {
+        if let Some((node, substep)) = report.non_finite() {
+            // The report has a node.
+            let slots = 0..surface.positions().len();
+            let mut slots = slots.filter(|&slot| {
+                let nodes = interior.nodes_of(slot);
+                nodes.is_some_and(|nodes| nodes.contains(&node))
+            });
+            let vertex = slots.next().map_or(VertexId::NULL, VertexId::from_index);
+            return Err(StepError::NonFinitePosition { vertex, substep }.into());
+        }
+        solid.end_copy(data, interior);
+    }
+    solver.set_slack(report.slack());
+    solver.embed(surface);
+    Ok(())
 }
 
 pub(super) fn report_part(arenas: &Arenas, slot: u32) -> Part<'_> {

@@ -3,8 +3,9 @@
 use super::layout::{
     BodyRecord, CONSERVES, Entry, FrameUniform, HAS_CONTACTS, IS_DRIVEN, IS_GUARDED, IS_PRESSED,
     IS_UNLIMITED, KEEPS_BENDING, KEEPS_INTERIOR_SPRINGS, KEEPS_STRETCH, KEEPS_VOLUME,
-    MEASURES_ELASTIC_ENERGY, Motion, PATCH_LAYERS, UNUSED,
+    MEASURES_ELASTIC_ENERGY, Motion, PATCH_LAYERS, SUMS_FORCES, UNUSED,
 };
+use super::solid::SolidPlaces;
 use super::volumes::VolumePlaces;
 use crate::constraints::attachments::LongRangeAttachment;
 use crate::constraints::batches::Batch;
@@ -74,6 +75,8 @@ pub(super) fn motion(solver: &Solver, v: u32) -> Motion {
 pub(super) struct Places {
     pub(super) first_vertex: u32,
     pub(super) vertices: u32,
+    pub(super) first_surface_vertex: u32,
+    pub(super) surface_vertices: u32,
     pub(super) first_pin: u32,
     pub(super) pins: u32,
     pub(super) first_attachment: u32,
@@ -91,6 +94,9 @@ pub(super) struct Places {
     pub(super) planes: u32,
     pub(super) first_guard: u32,
     pub(super) guard_pieces: u32,
+    pub(super) solid: SolidPlaces,
+    /// Whether the forces at nodes are summed again before the frame.
+    pub(super) sums_forces: bool,
 }
 
 /// Returns the record of a body that kernels read.
@@ -105,6 +111,8 @@ pub(super) fn body_record(
     BodyRecord {
         first_vertex: places.first_vertex,
         vertices: places.vertices,
+        first_surface_vertex: places.first_surface_vertex,
+        surface_vertices: places.surface_vertices,
         first_pin: places.first_pin,
         pins: places.pins,
         first_attachment: places.first_attachment,
@@ -127,7 +135,8 @@ pub(super) fn body_record(
             | flag(has(|guard| guard.is_driven), IS_DRIVEN)
             | flag(has(|guard| guard.has_contacts), HAS_CONTACTS)
             | flag(has(|guard| guard.is_unlimited), IS_UNLIMITED)
-            | flag(relaxation.is_some(), MEASURES_ELASTIC_ENERGY),
+            | flag(relaxation.is_some(), MEASURES_ELASTIC_ENERGY)
+            | flag(places.sums_forces, SUMS_FORCES),
         first_run: places.first_run,
         stretch_colors: places.stretch_colors,
         bending_colors: places.bending_colors,
@@ -155,6 +164,18 @@ pub(super) fn body_record(
         guard_pieces: places.guard_pieces,
         damping_factor: guard.map_or(1.0, |guard| guard.damping_factor),
         relaxation: relaxation.unwrap_or_default(),
+        cell_colors: places.solid.cell_colors,
+        first_embedding: places.solid.first_embedding,
+        first_pin_start: places.solid.first_pin_start,
+        first_near: places.solid.first_near,
+        cell_size: places.solid.cell_size,
+        cell_scale: constants.cells.scale,
+        cell_unit: constants.cells.unit,
+        cell_shape: constants.cells.shape,
+        cell_volume: constants.cells.volume,
+        cell_hourglass: constants.cells.hourglass,
+        cell_square: constants.cells.square,
+        cell_viscosity: constants.cells.viscosity,
     }
 }
 

@@ -71,11 +71,27 @@ pub(crate) enum EntryPoint {
     BeginGuard,
     /// One workgroup per body, after the last substep.
     EndGuard,
+    /// One lane per node of a solid.
+    PredictNodes,
+    /// One lane per cell of a color.
+    Cells,
+    /// One workgroup per solid: several colors of cells in order, then the overflow.
+    CellTail,
+    /// One lane per node, before forces are summed again.
+    ClearForces,
+    /// One workgroup per solid.
+    SolidPins,
+    /// One workgroup per solid, before the first substep.
+    FindNear,
+    /// One workgroup per solid, of the vertices that [`EntryPoint::FindNear`] has listed.
+    SolidColliders,
+    /// One lane per vertex of a solid, after the last substep.
+    Embed,
 }
 
 impl EntryPoint {
     /// All entry points; the index of an entry point is its number.
-    pub(crate) const ALL: [Self; 17] = [
+    pub(crate) const ALL: [Self; 25] = [
         Self::Predict,
         Self::Pins,
         Self::LongRangeAttachments,
@@ -93,6 +109,14 @@ impl EntryPoint {
         Self::Bounds,
         Self::BeginGuard,
         Self::EndGuard,
+        Self::PredictNodes,
+        Self::Cells,
+        Self::CellTail,
+        Self::ClearForces,
+        Self::SolidPins,
+        Self::FindNear,
+        Self::SolidColliders,
+        Self::Embed,
     ];
 
     /// Returns the name of the function.
@@ -115,6 +139,14 @@ impl EntryPoint {
             Self::Bounds => "bounds",
             Self::BeginGuard => "begin_guard",
             Self::EndGuard => "end_guard",
+            Self::PredictNodes => "predict_nodes",
+            Self::Cells => "cells",
+            Self::CellTail => "cell_tail",
+            Self::ClearForces => "clear_forces",
+            Self::SolidPins => "solid_pins",
+            Self::FindNear => "find_near",
+            Self::SolidColliders => "solid_colliders",
+            Self::Embed => "embed",
         }
     }
 }
@@ -145,8 +177,15 @@ pub(crate) fn passes(workgroup_size: u32, tail_size: u32) -> String {
         include_str!("shaders/volumes.wgsl"),
         include_str!("../kernels/rigid_motion.wgsl"),
         include_str!("../kernels/elastic.wgsl"),
+        include_str!("../kernels/cells/modes.wgsl"),
+        include_str!("../kernels/cells/rotation.wgsl"),
+        include_str!("../kernels/cells/torque.wgsl"),
+        include_str!("../kernels/cells/rows.wgsl"),
+        include_str!("../kernels/cells.wgsl"),
+        include_str!("../kernels/points.wgsl"),
         include_str!("shaders/guard.wgsl"),
         include_str!("shaders/passes.wgsl"),
+        include_str!("shaders/solids.wgsl"),
     ];
     let constants = [("WORKGROUP_SIZE", workgroup_size), ("TAIL_SIZE", tail_size)];
     compose(&constants, &parts)

@@ -6,6 +6,7 @@ use super::layout::FrameUniform;
 use super::pipelines::{Kernel, Pipelines, workgroups};
 use super::program::{Dispatch, Program, Stepped};
 use super::records::frame_record;
+use super::solid::DeviceSolid;
 use super::stats::{GpuStats, Schedule};
 use super::timestamps::Timestamps;
 use super::uniforms::PASS_STRIDE;
@@ -17,6 +18,7 @@ use crate::step::params::SolverParams;
 use crate::step::prepare::FrameInputs;
 use crate::step::rounds::contact_rounds;
 use bytemuck::Zeroable;
+use incise_mesh::index_u32;
 use wgpu::{BindGroup, ComputePass, ComputePassDescriptor};
 
 /// Maximum number of dispatches of a frame, which bounds the CPU memory of a submission.
@@ -30,7 +32,7 @@ impl GpuBackend {
     /// without, share a submission.
     ///
     /// # Errors
-    /// [`GpuError`] if a parameter is out of range, a body is unknown, has another solver or was
+    /// [`GpuError`] if a parameter is out of range, a solid has contacts, a body is unknown, has another solver or was
     /// edited without [`GpuBackend::update`], the frame needs too many dispatches, or the GPU
     /// fails. No body is stepped then, except in an earlier submission. [`GpuBackend::read`]
     /// reports positions that are not finite.
@@ -65,6 +67,12 @@ impl GpuBackend {
             }
         };
         let mut bodies: Vec<_> = bodies.into_iter().map(needed).collect();
+        if bodies
+            .iter()
+            .any(|body| body.solver.is_solid() && body.inputs.has_contacts)
+        {
+            return Err(StepError::UnsupportedOnGpu.into());
+        }
         bodies.sort_by_key(SteppedBody::key);
         let mut stats = GpuStats::default();
         if bodies.is_empty() {
@@ -86,7 +94,7 @@ impl GpuBackend {
     ) -> Result<(), GpuError> {
         let mut frame = FrameUniform::zeroed();
         self.stepped.clear();
-        let (mut prepared, mut has_guard) = (Ok(()), false);
+        let (mut prepared, mut has_guard, mut has_sums) = (Ok(()), false, false);
         let substeps = bodies.first().map_or(0, |body| body.inputs.substeps.count);
         for stepped in bodies {
             let (body, solver) = (stepped.body, &mut *stepped.solver);
@@ -94,6 +102,7 @@ impl GpuBackend {
             if prepared.is_err() {
                 break;
             }
+            solver.begin_pins();
             let constants = match solver.prepare(stepped.inputs, params) {
                 Ok(constants) => constants,
                 Err(error) => {
@@ -111,10 +120,16 @@ impl GpuBackend {
                 measures_motion: frame.measures_motion,
                 ..frame_record(&constants, params)
             };
+            if solver.is_solid() {
+                // Its prediction repeats forces instead of displacements.
+                frame.lift = 0.0;
+            }
             self.update_body(body, solver, &constants, guard.as_ref(), stats)?;
             self.stepped.push(body.slot());
-            let measures_motion = self.resident(body)?.measures_motion;
-            frame.measures_motion |= u32::from(measures_motion);
+            let resident = self.resident(body)?;
+            frame.measures_motion |= u32::from(resident.measures_motion);
+            let solid = resident.body.solid.as_ref();
+            has_sums |= solid.is_some_and(DeviceSolid::needs_sums);
         }
         // Also after an error, since the queued edits are for ranges that may be freed before the
         // next step.
@@ -138,11 +153,23 @@ impl GpuBackend {
         if has_guard {
             self.make_guard()?;
         }
+        if has_sums {
+            self.make_sums()?;
+        }
         self.frame += 1;
         self.note_frame();
         stats.dispatches += self.program.dispatches(substeps, wants_bounds);
         stats.dispatches += 2 * u32::from(has_guard);
-        self.submit(substeps, has_guard, wants_bounds)?;
+        if has_sums {
+            stats.dispatches += index_u32(self.program.sums.len());
+        }
+        let optional = Optional {
+            sums: has_sums,
+            guard: has_guard,
+            bounds: wants_bounds,
+        };
+        self.submit(substeps, optional)?;
+        self.end_sums();
         self.follow_up()?;
         stats.bytes_uploaded += self.uploads.take_bytes();
         stats.bytes_read += std::mem::take(&mut self.bytes_read);
@@ -167,7 +194,11 @@ impl GpuBackend {
         self.program_of.push(slot);
         self.program_is_stale = true;
         let made = self.make_program().and_then(|()| self.make_bounds());
-        let done = made.and_then(|()| self.submit(0, false, true));
+        let optional = Optional {
+            bounds: true,
+            ..Optional::default()
+        };
+        let done = made.and_then(|()| self.submit(0, optional));
         if let Some(resident) = self.resident_at(slot) {
             resident.wants_state = wants_state;
             resident.wants_motion = wants_motion;
@@ -227,6 +258,10 @@ impl GpuBackend {
         self.program_is_stale |= resident
             .body
             .update_colliders(context, arenas, uploads, solver)?;
+        if let (Some(solid), Some(interior)) = (&mut resident.body.solid, solver.interior()) {
+            let starts = &interior.pin_starts;
+            solid.update_pin_starts(context, arenas, uploads, starts)?;
+        }
         if guard.is_some() {
             (resident.body).update_guard(context, arenas, uploads, solver);
         }
@@ -286,6 +321,27 @@ impl GpuBackend {
         Ok(())
     }
 
+    /// Creates the pipelines of the sums of forces.
+    fn make_sums(&mut self) -> Result<(), GpuError> {
+        for dispatch in &self.program.sums {
+            self.pipelines.make(&self.context, dispatch.kernel)?;
+        }
+        Ok(())
+    }
+
+    /// Records that the forces of the stepped solids are those of the frame.
+    fn end_sums(&mut self) {
+        let slots = std::mem::take(&mut self.program_of);
+        for &slot in &slots {
+            if let Some(resident) = self.resident_at(slot)
+                && let Some(solid) = &mut resident.body.solid
+            {
+                solid.submitted();
+            }
+        }
+        self.program_of = slots;
+    }
+
     /// Returns true if the box of a stepped body is requested.
     fn wants_bounds(&self) -> bool {
         let residents = self.program_of.iter();
@@ -306,12 +362,7 @@ impl GpuBackend {
     }
 
     /// Encodes and submits a number of substeps of the program, and the requested copies.
-    fn submit(
-        &mut self,
-        substeps: u32,
-        has_guard: bool,
-        wants_bounds: bool,
-    ) -> Result<(), GpuError> {
+    fn submit(&mut self, substeps: u32, optional: Optional) -> Result<(), GpuError> {
         let mut encoder = super::encoder(&self.context, "step");
         let groups = self
             .uniforms
@@ -328,14 +379,19 @@ impl GpuBackend {
                 last: None,
             };
             encoding.pass.set_bind_group(0, &groups[0], &[]);
-            if has_guard {
+            if optional.sums {
+                encoding.dispatches(self.program.sums.iter(), 0);
+            }
+            if optional.guard {
                 encoding.dispatches(self.program.guard[0].iter(), 0);
             }
+            encoding.dispatches(self.program.near.iter(), 0);
             encoding.program(&self.program, substeps);
-            if has_guard {
+            if optional.guard {
                 encoding.dispatches(self.program.guard[1].iter(), 0);
             }
-            if wants_bounds {
+            encoding.dispatches(self.program.embedding.iter(), 0);
+            if optional.bounds {
                 encoding.dispatches(self.program.bounds.iter().flatten(), 0);
             }
         }
@@ -398,6 +454,14 @@ impl GpuBackend {
     }
 }
 
+/// The parts of a program that a frame may leave out.
+#[derive(Debug, Clone, Copy, Default)]
+struct Optional {
+    sums: bool,
+    guard: bool,
+    bounds: bool,
+}
+
 /// A body of a frame.
 struct SteppedBody<'a> {
     body: GpuBody,
@@ -408,11 +472,13 @@ struct SteppedBody<'a> {
 }
 
 impl SteppedBody<'_> {
-    /// Returns substeps, rounds and whether it has contacts: bodies of a submission agree in them.
-    fn key(&self) -> [u32; 4] {
+    /// Returns substeps, rounds, whether it has contacts and whether it is a solid: bodies of a
+    /// submission agree in them.
+    fn key(&self) -> [u32; 5] {
         let substeps = self.inputs.substeps;
         let has_contacts = u32::from(self.inputs.has_contacts);
         [
+            u32::from(self.solver.is_solid()),
             substeps.count,
             substeps.h.to_bits(),
             self.inputs.contact_rounds,

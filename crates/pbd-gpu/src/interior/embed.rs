@@ -28,7 +28,7 @@ impl Interior {
     }
 
     /// Records that the positions of vertices are as the lattice places them.
-    pub(super) fn note_embedded(&mut self, surface: &Surface) {
+    pub(crate) fn note_embedded(&mut self, surface: &Surface) {
         self.embedded = checksum(surface.positions());
     }
 

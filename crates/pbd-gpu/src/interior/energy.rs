@@ -1,26 +1,18 @@
 //! Elastic energy and momenta of a solid.
 
 use super::{Interior, stiffness};
-use crate::constraints::cells::{CELLS_PER_BLOCK, CellBlock, CellSet};
+use crate::constraints::cells::{CELLS_PER_BLOCK, CellBlock};
 use crate::material::Solid;
 
 impl Interior {
     /// Returns the elastic energy that the forces of the last substep hold \[J\].
     pub(crate) fn elastic_energy(&self, solid: &Solid) -> f64 {
-        energy_of(&self.cells, stiffness(solid, self.lattice.grid.cell_size()))
+        let stiffness = stiffness(solid, self.lattice.grid.cell_size());
+        let cells = self.cells.iter();
+        cells
+            .map(|(block, lane)| cell_energy(block, lane, stiffness))
+            .sum()
     }
-}
-
-/// Returns the elastic energy of cells \[J\], with the [stiffnesses](stiffness) of a full one.
-pub(crate) fn energy_of(cells: &CellSet, stiffness: [f64; 3]) -> f64 {
-    let batches = cells.batches().iter().chain([cells.overflow()]);
-    batches
-        .flat_map(|batch| {
-            let blocks = batch.blocks.iter().enumerate();
-            blocks.flat_map(|(i, block)| (0..batch.count(i)).map(move |lane| (block, lane)))
-        })
-        .map(|(block, lane)| cell_energy(block, lane, stiffness))
-        .sum()
 }
 
 /// Returns the energy of a cell \[J\].

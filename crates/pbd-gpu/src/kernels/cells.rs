@@ -20,7 +20,7 @@
 
 mod forces;
 mod modes;
-mod rotation;
+pub(crate) mod rotation;
 mod rows;
 mod torque;
 

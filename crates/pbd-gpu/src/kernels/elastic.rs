@@ -7,7 +7,10 @@
 //! on the order of constraints, which GPUs store by patch.
 
 use super::bending::hinge_error;
+use super::volume::THIRD;
 use crate::constraints::batches::{BendingSet, ConstraintSet, StretchSet};
+use crate::constraints::cells::{CellBlock, CellSet, Row};
+use crate::kernels::cells::CellConstants;
 use crate::step::constants::{Projection, StepConstants};
 use incise_mesh::VertexId;
 
@@ -51,6 +54,21 @@ pub(crate) fn elastic_energy(
             });
         }
     };
+    sum_of(all, constants.h)
+}
+
+/// Returns the elastic energy of the cells of a solid \[J\].
+pub(crate) fn cell_energy(cells: &CellSet, constants: &StepConstants) -> f32 {
+    let all = |add: &mut dyn FnMut(f32)| {
+        for (block, lane) in cells.iter() {
+            add(of_cell(block, lane, &constants.cells));
+        }
+    };
+    sum_of(all, constants.h)
+}
+
+/// Returns the sum of energies \[J\], which `all` lists times `2 h^2`, in substeps of `h` \[s\].
+fn sum_of(all: impl Fn(&mut dyn FnMut(f32)), h: f32) -> f32 {
     let mut largest = 0.0;
     all(&mut |energy| largest = if energy > largest { energy } else { largest });
     if largest <= MIN_ENERGY {
@@ -59,7 +77,25 @@ pub(crate) fn elastic_energy(
     let scale = UNITS / largest;
     let mut sum = 0_u64;
     all(&mut |energy| sum += u64::from(units(energy * scale)));
-    to_f32(sum) * (largest / UNITS) * (0.5 / (constants.h * constants.h))
+    to_f32(sum) * (largest / UNITS) * (0.5 / (h * h))
+}
+
+/// Returns the energy of a cell times `2 h^2`.
+fn of_cell(block: &CellBlock, lane: usize, by: &CellConstants) -> f32 {
+    let force = |row: &Row| by.square * row[lane];
+    let [a, b, c, d, e, f] = block.stress.each_ref().map(force);
+    let trace = (a + b) + c;
+    let squares = (a * a + b * b + c * c) + 2.0 * (d * d + e * e + f * f);
+    let mean = THIRD * (trace * trace);
+    let shape = squares - mean;
+    let shape = if shape > 0.0 { shape } else { 0.0 };
+    let of_strain = shape / by.shape + mean / by.volume;
+    let of_mode = |h: usize| {
+        let [a, b, c] = [0, 1, 2].map(|k: usize| force(&block.hourglass[3 * h + k]));
+        (a * a + b * b + c * c) / block.bending[h][lane]
+    };
+    let of_bending = (of_mode(0) + of_mode(1)) + (of_mode(2) + of_mode(3));
+    (of_strain + of_bending / by.hourglass) / block.fraction[lane]
 }
 
 /// Returns a sum of units, rounded as GPUs do, which have its halves.

@@ -42,6 +42,23 @@ fn hinge_energy(v: vec4u, rest: f32, by: Projection) -> f32 {
     return energy_of(hinge.turn, select(0.0, hinge.weight, hinge.is_solid), by);
 }
 
+// Returns the energy of the cell at an entry times 2 h^2.
+fn cell_energy(at: u32, body: Body) -> f32 {
+    let forces = scaled_forces(load_forces(at), body.cell_square);
+    let s = forces.stress;
+    let t = forces.shear;
+    let trace = (s.x + s.y) + s.z;
+    let squares = dot_product(s, s) + 2.0 * dot_product(t, t);
+    let mean = THIRD * (trace * trace);
+    let shape = squares - mean;
+    let of_strain = select(0.0, shape, shape > 0.0) / body.cell_shape + mean / body.cell_volume;
+    let bending = four_of(at + 6u);
+    let h = forces.hourglass;
+    let of_bending = (dot_product(h[0], h[0]) / bending.x + dot_product(h[1], h[1]) / bending.y)
+        + (dot_product(h[2], h[2]) / bending.z + dot_product(h[3], h[3]) / bending.w);
+    return (of_strain + of_bending / body.cell_hourglass) / four_of(at + 4u).w;
+}
+
 // Adds the energies of a run. Vertices are those of a list at an entry, or of the body if it is 0.
 fn add_run(kind: u32, body: Body, run: Run, list: u32, lane: u32, scale: f32) {
     if (kind == BENDING) {
@@ -57,6 +74,10 @@ fn add_run(kind: u32, body: Body, run: Run, list: u32, lane: u32, scale: f32) {
                 body_vertex(list, v.w),
             );
             add_energy(hinge_energy(of_body, rest, by), scale);
+        }
+    } else if (kind == CELLS) {
+        for (var k = lane; k < run.len; k += WORKGROUP_SIZE) {
+            add_energy(cell_energy(run.first + CELL_ENTRIES * k, body), scale);
         }
     } else {
         let by = edge_projection(body, kind);

@@ -14,17 +14,17 @@ use incise_lattice::Lattice;
 ///
 /// A push of one vertex moves others by less than it should, or by more. A faster recovery would
 /// give its speed to the body: 1 m/s is that of a fall by 5 cm.
-const RECOVERY_SPEED: f32 = 1.0;
+pub(crate) const RECOVERY_SPEED: f32 = 1.0;
 
 /// Maximum number of symmetric sweeps over pins per pass.
 ///
 /// Each one leaves a tenth to a third of what the pins of a face are off.
-const PIN_SWEEPS: usize = 16;
+pub(crate) const PIN_SWEEPS: usize = 16;
 
 /// Distance of pins from their targets at which the sweeps of a pass end [cells].
 ///
 /// At a clamp of two cells it turns a beam by 1e-4 rad.
-const PIN_TOLERANCE: f32 = 1e-4;
+pub(crate) const PIN_TOLERANCE: f32 = 1e-4;
 
 /// The vertices of a solid during a substep.
 #[derive(Debug, Clone, Copy)]

@@ -50,10 +50,14 @@ impl Solver {
         self.check_vertex(v)?;
         check_value(v, to)?;
         self.particles.velocities[v.index()] = [to[0], to[1], to[2], 0.0];
-        if let Some(interior) = &mut self.constraints.interior {
-            interior.has_new_velocities = true;
+        match &mut self.constraints.interior {
+            Some(interior) => {
+                interior.has_new_velocities = true;
+                // Its nodes get other velocities.
+                self.follow.log.mark_all();
+            }
+            None => self.follow.log.mark_velocity(v),
         }
-        self.follow.log.mark_velocity(v);
         Ok(())
     }
 
@@ -111,7 +115,7 @@ impl Solver {
         if self.pin_of(v).is_err() {
             surface.positions_mut()[v.index()][3] = inverse_mass;
         }
-        self.follow.log.mark_mass(v);
+        self.mark_mass(v);
         Ok(())
     }
 
@@ -128,8 +132,10 @@ impl Solver {
         position[3] = 0.0;
         let target = [position[0], position[1], position[2]];
         self.particles.velocities[v.index()] = [0.0; 4];
-        self.follow.log.mark_mass(v);
-        self.follow.log.mark_velocity(v);
+        self.mark_mass(v);
+        if !self.is_solid() {
+            self.follow.log.mark_velocity(v);
+        }
         self.follow.log.mark_pins();
         match self.particles.find_pin(v) {
             Ok(i) => self.particles.pins[i].target = target,
@@ -150,7 +156,7 @@ impl Solver {
         let i = self.pin_of(v)?;
         self.particles.pins.remove(i);
         self.constraints.attachments.invalidate();
-        self.follow.log.mark_mass(v);
+        self.mark_mass(v);
         self.follow.log.mark_pins();
         let inverse_mass = match &self.constraints.interior {
             Some(interior) => interior.inverse_masses[v.index()],
@@ -158,6 +164,13 @@ impl Solver {
         };
         surface.positions_mut()[v.index()][3] = inverse_mass;
         Ok(())
+    }
+
+    /// Logs a new inverse mass of a vertex; no node of a solid has another one then.
+    fn mark_mass(&mut self, v: VertexId) {
+        if !self.is_solid() {
+            self.follow.log.mark_mass(v);
+        }
     }
 
     /// Sets the position of a pinned vertex at the end of the next frame \[m\].

@@ -1,6 +1,8 @@
 //! The inside of a solid: elastic energy, lattice, and edits of its surface.
 
 use super::Solver;
+#[cfg(feature = "gpu")]
+use crate::interior::Interior;
 use incise_lattice::Lattice;
 use incise_mesh::Surface;
 
@@ -36,22 +38,41 @@ impl Solver {
     }
 
     /// Moves the nodes of a solid after the caller has set positions or velocities of vertices.
-    pub(crate) fn adopt_edits(&mut self, surface: &mut Surface) {
+    ///
+    /// Returns whether positions were set. The vertices keep them until they are
+    /// [embedded](Self::embed) again.
+    pub(crate) fn adopt_motion(&mut self, surface: &Surface) -> bool {
         let Some(interior) = &mut self.constraints.interior else {
-            return;
+            return false;
         };
         let is_moved = interior.is_edited(surface);
         if is_moved {
             interior.adopt_positions(surface);
+            interior.note_embedded(surface);
         }
-        let velocities = &mut self.particles.velocities;
         if interior.has_new_velocities {
-            interior.adopt_velocities(velocities);
+            interior.adopt_velocities(&self.particles.velocities);
         }
-        if is_moved {
-            interior.embed(surface, velocities);
+        is_moved
+    }
+
+    /// Begins a frame of a solid, whose pins move from their last targets.
+    pub(crate) fn begin_pins(&mut self) {
+        if let Some(interior) = &mut self.constraints.interior {
+            interior.begin_pins(&self.particles.pins);
         }
-        interior.begin_pins(&self.particles.pins);
+    }
+
+    /// Returns the inside of a solid.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn interior(&self) -> Option<&Interior> {
+        self.constraints.interior.as_deref()
+    }
+
+    /// Returns the inside of a solid for the readback from a GPU, which the log does not record.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn interior_mut(&mut self) -> Option<&mut Interior> {
+        self.constraints.interior.as_deref_mut()
     }
 
     /// Writes the positions and velocities of the vertices of a solid.

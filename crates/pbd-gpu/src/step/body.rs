@@ -19,7 +19,7 @@ use incise_mesh::Surface;
 /// Assumed motion of a vertex in a frame, relative to the fastest node.
 ///
 /// A heavy part throws a light one at twice its own speed.
-const MARGIN: f32 = 2.0;
+pub(crate) const MARGIN: f32 = 2.0;
 
 /// The arrays of a body that kernels read and write.
 #[derive(Debug)]
@@ -117,6 +117,7 @@ impl<'a> Body<'a> {
     ) -> Self {
         let (positions, velocities, corrections, solid) = match &mut constraints.interior {
             Some(interior) => {
+                let cell_size = interior.cell_size();
                 let Interior {
                     lattice,
                     positions,
@@ -128,8 +129,6 @@ impl<'a> Body<'a> {
                     near,
                     ..
                 } = &mut **interior;
-                #[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
-                let cell_size = lattice.grid.cell_size() as f32;
                 let solid = SolidArrays {
                     cells,
                     lattice,

@@ -16,8 +16,7 @@
 
 use crate::constraints::cells::CellSet;
 use crate::constraints::pieces::PieceVertices;
-use crate::interior::energy::energy_of;
-use crate::kernels::elastic::{ElasticSets, elastic_energy};
+use crate::kernels::elastic::{ElasticSets, cell_energy, elastic_energy};
 use crate::kernels::rigid_motion::{RigidMotion, cross};
 use crate::step::constants::StepConstants;
 use incise_mesh::VertexId;
@@ -138,8 +137,8 @@ pub(crate) struct GuardedBody<'a> {
     pub(crate) velocities: &'a mut [[f32; 4]],
     pub(crate) pieces: &'a PieceVertices,
     pub(crate) sets: ElasticSets<'a>,
-    /// The cells of a solid and their stiffnesses.
-    pub(crate) cells: Option<(&'a CellSet, [f64; 3])>,
+    /// The cells of a solid.
+    pub(crate) cells: Option<&'a CellSet>,
     pub(crate) budget: &'a mut EnergyBudget,
 }
 
@@ -379,8 +378,7 @@ impl GuardedBody<'_> {
             (slack, age) = (UNLIMITED, 0.0);
         } else if let Some(relaxation) = inputs.relaxation {
             let elastic = match self.cells {
-                #[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
-                Some((cells, stiffness)) => energy_of(cells, stiffness) as f32,
+                Some(cells) => cell_energy(cells, &inputs.constants),
                 None => elastic_energy(self.positions, self.sets, &inputs.constants),
             };
             if inputs.is_unlimited {

@@ -272,17 +272,17 @@ fn prepare_member(
     params: &SolverParams,
 ) -> Result<Member, StepError> {
     solver.check_step(surface)?;
-    solver.adopt_edits(surface);
+    if solver.adopt_motion(surface) {
+        solver.embed(surface);
+    }
+    solver.begin_pins();
     let constants = solver.prepare(frame, params)?;
     let orders = both_orders(solver.material(), &frame, params);
     let guard = solver.prepare_guard(&constants, has_contacts, params);
     let (_, constraints, _) = solver.step_parts();
     constraints.update_patch_contents();
     if guard.is_some() {
-        match &constraints.interior {
-            Some(interior) => constraints.pieces.update_nodes(&interior.lattice),
-            None => constraints.pieces.update(surface),
-        }
+        constraints.update_pieces(surface);
     }
     Ok(Member {
         constants,

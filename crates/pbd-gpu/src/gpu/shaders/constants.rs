@@ -6,18 +6,22 @@ use crate::constraints::coloring::MAX_COLORS;
 use crate::constraints::contacts::{ContactKind, NO_VERTEX, SupportedSide};
 use crate::constraints::interior_springs;
 use crate::gpu::layout::{
-    ATTACHMENT_ENTRIES, BENDING, BENDING_ENTRIES, CHUNK_ENTRIES, COLLIDER_ENTRIES, CONSERVES,
-    CONTACT_ENTRIES, CONTACT_FEATURES, CONTACT_RECOVERIES, CONTACTS, GUARD_ENTRIES, HAS_CONTACTS,
-    INTERIOR_SPRINGS, IS_DRIVEN, IS_GUARDED, IS_PRESSED, IS_UNLIMITED, KEEPS_BENDING,
-    KEEPS_INTERIOR_SPRINGS, KEEPS_STRETCH, KEEPS_VOLUME, MEASURES_ELASTIC_ENERGY, PATCH_LAYERS,
-    PIECE_ENTRIES, PIN_ENTRIES, RUN_COLORS, STRETCH, STRETCH_ENTRIES, ordered,
+    ATTACHMENT_ENTRIES, BENDING, BENDING_ENTRIES, CELL_ENTRIES, CELL_FORCES, CELL_STATE, CELLS,
+    CHUNK_ENTRIES, COLLIDER_ENTRIES, CONSERVES, CONTACT_ENTRIES, CONTACT_FEATURES,
+    CONTACT_RECOVERIES, CONTACTS, EMBEDDING_ENTRIES, GUARD_ENTRIES, HAS_CONTACTS, INTERIOR_SPRINGS,
+    IS_DRIVEN, IS_GUARDED, IS_PRESSED, IS_UNLIMITED, KEEPS_BENDING, KEEPS_INTERIOR_SPRINGS,
+    KEEPS_STRETCH, KEEPS_VOLUME, MEASURES_ELASTIC_ENERGY, NEAR_ENTRIES, PATCH_LAYERS,
+    PIECE_ENTRIES, PIN_ENTRIES, PIN_START_ENTRIES, RUN_COLORS, STRETCH, STRETCH_ENTRIES,
+    SUMS_FORCES, ordered,
 };
 use crate::kernels::arctangent::COEFFICIENTS;
+use crate::kernels::cells::rotation;
 use crate::kernels::volume::{self, CHUNK, motion, steps};
 use crate::kernels::{
-    attachments, bending, colliders, contact_features, contacts, elastic, rigid_motion,
+    attachments, bending, cells, colliders, contact_features, contacts, elastic, points,
+    rigid_motion,
 };
-use crate::step::guard;
+use crate::step::{body, guard};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::fmt::Write;
 
@@ -26,7 +30,7 @@ use std::fmt::Write;
     clippy::cast_possible_truncation,
     reason = "small constants of this crate"
 )]
-const INTEGERS: [(&str, u32); 41] = [
+const INTEGERS: [(&str, u32); 52] = [
     ("RUN_COLORS", RUN_COLORS as u32),
     ("PATCH_LAYERS", PATCH_LAYERS as u32),
     ("OVERFLOW", OVERFLOW as u32),
@@ -34,6 +38,17 @@ const INTEGERS: [(&str, u32); 41] = [
     ("STRETCH", STRETCH),
     ("BENDING", BENDING),
     ("INTERIOR_SPRINGS", INTERIOR_SPRINGS),
+    ("CELLS", CELLS),
+    ("CELL_FORCES", CELL_FORCES),
+    ("CELL_ENTRIES", CELL_ENTRIES as u32),
+    ("CELL_STATE", CELL_STATE as u32),
+    ("EMBEDDING_ENTRIES", EMBEDDING_ENTRIES as u32),
+    ("PIN_START_ENTRIES", PIN_START_ENTRIES as u32),
+    ("NEAR_ENTRIES", NEAR_ENTRIES as u32),
+    ("NO_COPY", incise_lattice::NO_COPY),
+    ("PIN_SWEEPS", points::PIN_SWEEPS as u32),
+    ("MAX_ROTATION_ITERATIONS", rotation::MAX_ITERATIONS as u32),
+    ("SUMS_FORCES", SUMS_FORCES),
     ("CONTACTS", CONTACTS),
     ("CONTACT_FEATURES", CONTACT_FEATURES),
     ("CONTACT_RECOVERIES", CONTACT_RECOVERIES),
@@ -71,7 +86,7 @@ const INTEGERS: [(&str, u32); 41] = [
 ];
 
 /// Constants of kernels.
-pub(super) const FLOATS: [(&str, f32); 33] = [
+pub(super) const FLOATS: [(&str, f32); 44] = [
     ("PI", PI),
     ("TAU", TAU),
     ("HALF_PI", FRAC_PI_2),
@@ -105,6 +120,17 @@ pub(super) const FLOATS: [(&str, f32); 33] = [
     ("PIN_WEIGHT", rigid_motion::PIN_WEIGHT),
     ("UNITS", elastic::UNITS),
     ("UNLIMITED", guard::UNLIMITED),
+    ("RESOLVED", cells::RESOLVED),
+    ("CONVERGED_TURN", rotation::CONVERGED),
+    ("LAST_TURN", rotation::LAST_TURN),
+    ("MAX_CELL_TURN", rotation::MAX_TURN),
+    ("FLAT_CELL", rotation::FLAT),
+    ("MIN_FIRST_MINOR", rotation::MIN_MINORS[0]),
+    ("MIN_SECOND_MINOR", rotation::MIN_MINORS[1]),
+    ("MIN_THIRD_MINOR", rotation::MIN_MINORS[2]),
+    ("RECOVERY_SPEED", points::RECOVERY_SPEED),
+    ("PIN_TOLERANCE", points::PIN_TOLERANCE),
+    ("MARGIN", body::MARGIN),
 ];
 
 /// Returns the declarations of all constants, and of `more`.

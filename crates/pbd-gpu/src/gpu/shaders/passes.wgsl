@@ -204,11 +204,11 @@ fn bounds(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let work = find_work(group_number(group, groups));
-    first_vertex = bodies[work.body].first_vertex;
+    first_vertex = bodies[work.body].first_surface_vertex;
     reset_box(lane);
     workgroupBarrier();
     let i = work.first_lane + lane;
-    if (i < bodies[work.body].vertices) {
+    if (i < bodies[work.body].surface_vertices) {
         bound_vertex(i);
     }
     workgroupBarrier();

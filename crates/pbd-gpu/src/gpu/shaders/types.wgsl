@@ -25,6 +25,8 @@ struct Projection {
 // - corner: (origin, twin)
 // - contact: CONTACT_ENTRIES entries as in contacts.rs
 // - collider: COLLIDER_ENTRIES entries as in colliders.rs
+// - cell: CELL_ENTRIES entries as in cells.wgsl
+// - vertex of a solid: EMBEDDING_ENTRIES entries as in points.wgsl
 @group(0) @binding(3) var<storage, read_write> constraints: array<vec2u>;
 @group(0) @binding(4) var<storage, read> bodies: array<Body>;
 @group(0) @binding(5) var<storage, read> runs: array<Run>;
@@ -96,6 +98,9 @@ fn bending_projection(body: Body) -> Projection {
 fn colors_of(body: Body, kind: u32) -> u32 {
     if (kind >= CONTACTS) {
         return select(0u, MAX_COLORS, body.contacts != 0u);
+    }
+    if (kind == CELLS) {
+        return body.cell_colors;
     }
     let others = select(body.spring_colors, body.bending_colors, kind == BENDING);
     return select(others, body.stretch_colors, kind == STRETCH);

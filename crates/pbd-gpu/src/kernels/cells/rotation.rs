@@ -11,24 +11,24 @@ use crate::kernels::lanes::{Lanes, Mask};
 use pulp::Simd;
 
 /// Maximum number of iterations.
-const MAX_ITERATIONS: usize = 10;
+pub(crate) const MAX_ITERATIONS: usize = 10;
 
 /// Squared turn \[rad²\] below which a rotation has converged: five roundings of 32-bit numbers.
 ///
 /// A rotation that lags behind brakes a spinning body: its error by the substep is a speed.
-const CONVERGED: f32 = 1e-13;
+pub(crate) const CONVERGED: f32 = 1e-13;
 
 /// Squared turn \[rad²\] after which a rotation has converged: the next one is about its square.
-const LAST_TURN: f32 = 3e-8;
+pub(crate) const LAST_TURN: f32 = 3e-8;
 
 /// Minimum of a minor of `tr S - S`, which is 2, 4 and 8 at rest, for a step of Newton's method.
-const MIN_MINORS: [f32; 3] = [0.1, 0.01, 0.01];
+pub(crate) const MIN_MINORS: [f32; 3] = [0.1, 0.01, 0.01];
 
 /// Largest squared turn of an iteration \[rad²\].
-const MAX_TURN: f32 = 1.0;
+pub(crate) const MAX_TURN: f32 = 1.0;
 
 /// Keeps the step of Mueller finite where a cell is flat.
-const FLAT: f32 = 1e-9;
+pub(crate) const FLAT: f32 = 1e-9;
 
 /// Returns the matrix of a unit quaternion.
 #[inline(always)]
