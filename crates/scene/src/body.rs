@@ -143,12 +143,9 @@ impl Body {
         self.version_before_cut
     }
 
-    /// Returns the number of stretch and bending constraints and interior springs.
+    /// Returns the number of constraints, see [`Solver::constraint_count`].
     pub(crate) fn constraints(&self) -> usize {
-        let interior_springs = self.solver.interior_springs().map_or(0, |set| set.len());
-        self.solver.stretch().len()
-            + self.solver.bending().map_or(0, |set| set.len())
-            + interior_springs
+        self.solver.constraint_count()
     }
 
     /// Returns the surface and the solver, for changes that move no vertex.

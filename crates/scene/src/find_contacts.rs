@@ -45,7 +45,8 @@ impl Scene {
         }
         if let Some(gpu) = gpu {
             for (i, body) in bodies.iter().enumerate() {
-                if let Some(body) = body.as_ref().filter(|_| islands.is_shared(i)) {
+                // The CPU steps it in this frame.
+                if let Some(body) = body.as_ref().filter(|_| islands.members(i).is_some()) {
                     gpu.begin_edit(i, body.surface());
                 }
             }

@@ -62,7 +62,8 @@ impl Islands {
 
     /// Groups the awake bodies by their contacts, and passes each island its contacts.
     ///
-    /// Bodies of the GPU that touch no other one stay there. Returns the number of contacts.
+    /// Bodies of the GPU that touch no other one stay there, but solids only without contacts.
+    /// Returns the number of contacts.
     pub(crate) fn group(
         &mut self,
         bodies: &mut Bodies,
@@ -82,7 +83,8 @@ impl Islands {
                 continue;
             };
             let root = self.root(index_u32(i)) as usize;
-            if self.sizes[root] == 1 && is_on_gpu(i) {
+            let needs_cpu = body.solver().is_solid() && detection.contacts(i).next().is_some();
+            if self.sizes[root] == 1 && is_on_gpu(i) && !needs_cpu {
                 continue;
             }
             if self.island_of[root] == NONE {

@@ -180,7 +180,7 @@ impl CpuGpuPair {
     }
 }
 
-/// Compares positions, inverse masses and velocities, bit for bit.
+/// Compares positions, inverse masses and velocities, also of the nodes of solids, bit for bit.
 ///
 /// # Panics
 /// If they differ.
@@ -189,6 +189,7 @@ pub fn assert_same(a: (&Surface, &Solver), b: (&Surface, &Solver), when: &str) {
         vectors.iter().map(|v| v.map(f32::to_bits)).collect()
     };
     let parts = [
+        ("nodes", a.1.nodes(), b.1.nodes()),
         ("positions", a.0.positions(), b.0.positions()),
         ("velocities", a.1.velocities(), b.1.velocities()),
     ];

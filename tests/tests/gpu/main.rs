@@ -17,7 +17,7 @@ mod solver;
 
 use incise_test_support::gpu::{Needs, long, run, trial, trial_alone};
 use scene::{backend, models, scenes};
-use solver::{bodies, contacts, deltas, growth, kernels, misuse, motion, pipelines, steps};
+use solver::{bodies, contacts, deltas, growth, kernels, misuse, motion, pipelines, solids, steps};
 use std::process::ExitCode;
 
 /// A test that any adapter can run.
@@ -36,6 +36,8 @@ fn main() -> ExitCode {
             strict,
             backend::lost_after_a_checkpoint,
         ),
+        trial("solids_match_the_cpu", strict, solids::to_the_bit),
+        trial("solids_are_close_to_the_cpu", any, solids::within_rounding),
         trial("edits_equal_a_full_upload", strict, deltas::to_the_bit),
         trial("the_gallery", any, program::gallery::few),
         trial("contacts_in_scenes_match_the_cpu", strict, scenes::contacts),

@@ -9,4 +9,5 @@ pub(crate) mod long;
 pub(crate) mod misuse;
 pub(crate) mod motion;
 pub(crate) mod pipelines;
+pub(crate) mod solids;
 pub(crate) mod steps;

@@ -140,6 +140,11 @@ impl CellSet {
         }
     }
 
+    /// Returns the number of cells.
+    pub(crate) fn len(&self) -> usize {
+        self.all().map(|batch| batch.len).sum()
+    }
+
     /// Returns the cells by color.
     pub(crate) fn batches(&self) -> &[CellBatch] {
         &self.batches

@@ -36,8 +36,10 @@ impl GpuBackend {
         }
         // Queued edits of other bodies must survive an error of this one.
         self.flush()?;
-        if solver.has_surface_changes() {
+        if solver.is_solid() && solver.has_surface_changes() {
             solver.adopt_motion(surface);
+            // Its inside is uploaded whole.
+            solver.mark_all_changed();
         }
         solver.step_parts().1.update_pieces(surface);
         let mut changes = std::mem::take(&mut self.changes);

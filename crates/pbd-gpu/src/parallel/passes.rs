@@ -26,7 +26,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 const MIN_SHARED: usize = 1024;
 
 /// Work of a cell, in edges.
-const CELL_WORK: usize = 16;
+pub(crate) const CELL_WORK: usize = 16;
 
 /// Chunks per thread, so that a thread which falls behind can be relieved.
 const CHUNKS_PER_MEMBER: usize = 2;

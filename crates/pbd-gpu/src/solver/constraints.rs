@@ -9,6 +9,7 @@ use crate::constraints::contacts::{Contact, ContactSet};
 use crate::constraints::volumes::VolumeSet;
 use crate::error::{ConstraintError, InvalidConstraints};
 use crate::material::{InteriorSprings, Material, Stiffness, Volume};
+use crate::parallel::passes::CELL_WORK;
 use crate::step::guard::EnergyBudget;
 use crate::step::pass::Pass;
 use incise_mesh::{Surface, VertexId};
@@ -33,6 +34,18 @@ impl Solver {
     #[must_use]
     pub fn interior_springs(&self) -> Option<&StretchSet> {
         self.constraints.interior_springs.as_ref()
+    }
+
+    /// Returns the number of edges, hinges and interior springs that a sweep projects.
+    ///
+    /// A cell of a solid counts as 16, whose work it takes.
+    #[must_use]
+    pub fn constraint_count(&self) -> usize {
+        let bending = self.bending().map_or(0, |set| set.len());
+        let springs = self.interior_springs().map_or(0, |set| set.len());
+        let interior = self.constraints.interior.as_ref();
+        let cells = interior.map_or(0, |interior| interior.cells.len());
+        self.stretch().len() + bending + springs + CELL_WORK * cells
     }
 
     /// Returns the volume constraints; the set is empty unless the material has volume.

@@ -143,7 +143,7 @@ impl GpuBodies for ResidentBodies {
     fn add(&mut self, id: BodyId, body: &mut Body) -> Result<(), SceneError> {
         let i = id.index;
         let is_small = body.constraints() < self.min_constraints;
-        if self.resident(i).is_some() || is_small || body.solver().is_solid() {
+        if self.resident(i).is_some() || is_small {
             return Ok(());
         }
         let (surface, solver) = body.parts();

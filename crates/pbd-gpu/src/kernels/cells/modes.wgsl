@@ -3,36 +3,72 @@
 // The hourglass modes: xy, yz, zx and xyz.
 const HOURGLASS = array(3u, 6u, 5u, 7u);
 
-// Returns all modes of a vector at the nodes.
-fn to_modes(nodes: array<vec3f, 8>) -> array<vec3f, 8> {
-    var values = nodes;
-    for (var axis = 1u; axis < 8u; axis *= 2u) {
-        for (var low = 0u; low < 8u; low++) {
-            if ((low & axis) == 0u) {
-                let a = values[low];
-                let b = values[low | axis];
-                values[low] = a + b;
-                values[low | axis] = b - a;
-            }
-        }
-    }
-    return values;
+// Returns all modes of a vector at the nodes. One step for each axis: x, y and z.
+fn to_modes(x: array<vec3f, 8>) -> array<vec3f, 8> {
+    let a = array<vec3f, 8>(
+        x[0] + x[1],
+        x[1] - x[0],
+        x[2] + x[3],
+        x[3] - x[2],
+        x[4] + x[5],
+        x[5] - x[4],
+        x[6] + x[7],
+        x[7] - x[6],
+    );
+    let b = array<vec3f, 8>(
+        a[0] + a[2],
+        a[1] + a[3],
+        a[2] - a[0],
+        a[3] - a[1],
+        a[4] + a[6],
+        a[5] + a[7],
+        a[6] - a[4],
+        a[7] - a[5],
+    );
+    return array<vec3f, 8>(
+        b[0] + b[4],
+        b[1] + b[5],
+        b[2] + b[6],
+        b[3] + b[7],
+        b[4] - b[0],
+        b[5] - b[1],
+        b[6] - b[2],
+        b[7] - b[3],
+    );
 }
 
 // Returns the vector at each node, given the factors of all modes.
-fn to_nodes(modes: array<vec3f, 8>) -> array<vec3f, 8> {
-    var values = modes;
-    for (var axis = 1u; axis < 8u; axis *= 2u) {
-        for (var low = 0u; low < 8u; low++) {
-            if ((low & axis) == 0u) {
-                let a = values[low];
-                let b = values[low | axis];
-                values[low] = a - b;
-                values[low | axis] = a + b;
-            }
-        }
-    }
-    return values;
+fn to_nodes(x: array<vec3f, 8>) -> array<vec3f, 8> {
+    let a = array<vec3f, 8>(
+        x[0] - x[1],
+        x[0] + x[1],
+        x[2] - x[3],
+        x[2] + x[3],
+        x[4] - x[5],
+        x[4] + x[5],
+        x[6] - x[7],
+        x[6] + x[7],
+    );
+    let b = array<vec3f, 8>(
+        a[0] - a[2],
+        a[1] - a[3],
+        a[0] + a[2],
+        a[1] + a[3],
+        a[4] - a[6],
+        a[5] - a[7],
+        a[4] + a[6],
+        a[5] + a[7],
+    );
+    return array<vec3f, 8>(
+        b[0] - b[4],
+        b[1] - b[5],
+        b[2] - b[6],
+        b[3] - b[7],
+        b[0] + b[4],
+        b[1] + b[5],
+        b[2] + b[6],
+        b[3] + b[7],
+    );
 }
 
 // Derivatives of the modes at the centroid of the part in a cell.
