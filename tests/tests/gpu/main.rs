@@ -37,6 +37,11 @@ fn main() -> ExitCode {
             backend::lost_after_a_checkpoint,
         ),
         trial("solids_match_the_cpu", strict, solids::to_the_bit),
+        trial(
+            "solids_in_scenes_match_the_cpu",
+            strict,
+            scene::solids::to_the_bit,
+        ),
         trial("solids_are_close_to_the_cpu", any, solids::within_rounding),
         trial("edits_equal_a_full_upload", strict, deltas::to_the_bit),
         trial("the_gallery", any, program::gallery::few),

@@ -5,6 +5,7 @@ mod common;
 pub(crate) mod models;
 pub(crate) mod scenes;
 mod sleep;
+pub(crate) mod solids;
 
 use incise_pbd_gpu::Context;
 

@@ -100,6 +100,15 @@ pub enum GpuError {
         /// Maximum number of dispatches.
         limit: u32,
     },
+    /// The adapter ends loops too early for the pins, colliders or cells of a solid.
+    #[error(
+        "{adapter} ends loops too early for a solid with so many pins, or vertices and colliders; \
+         choose another adapter, or step the solid on the CPU"
+    )]
+    LoopsTooShort {
+        /// Name of the adapter.
+        adapter: String,
+    },
     /// The body is not in this backend, or was removed.
     #[error("the body is not in this GPU backend; add it first")]
     UnknownBody,

@@ -4,6 +4,7 @@ use super::layout::{CONTACT_FEATURES, CONTACT_RECOVERIES, CONTACTS, PassUniform}
 use super::pipelines::Kernel;
 use super::program::{Compiler, Dispatch, PLAIN_PASS, Stepped};
 use super::shaders::EntryPoint;
+use super::solid::CELL_LOOPS;
 use crate::constraints::batches::BatchId;
 use crate::constraints::coloring::{LAYERS, MAX_COLORS};
 use crate::step::pass::{ConstraintKind, Pass};
@@ -30,6 +31,8 @@ struct ColorSweep<'a> {
     kernel: EntryPoint,
     tail: EntryPoint,
     is_back: bool,
+    /// Maximum size of a small color.
+    small: u32,
     /// Returns the number of constraints of a batch of a body.
     len: &'a dyn Fn(&Stepped<'_>, BatchId) -> u32,
 }
@@ -82,9 +85,32 @@ impl Compiler<'_> {
             kernel: EntryPoint::Cells,
             tail: EntryPoint::CellTail,
             is_back: false,
+            small: self.max_small_cells(run),
             len: &|b, batch| (b.body.solid.as_ref()).map_or(0, |solid| solid.batch_len(batch)),
         };
         self.colors(batches.collect(), &sweep, out);
+    }
+
+    /// Returns the maximum size of a small color of cells; 0 if an invocation cannot project those
+    /// of all small colors.
+    fn max_small_cells(&self, run: &[Pass]) -> u32 {
+        let cells_of = |b: &Stepped<'_>| {
+            let solid = b.body.solid.as_ref();
+            let colors = run.iter().filter_map(|pass| match *pass {
+                Pass::Cells(batch) if batch != BatchId::Overflow => Some(batch),
+                _ => None,
+            });
+            let sizes = colors.map(|batch| solid.map_or(0, |solid| solid.batch_len(batch)));
+            let small = sizes.filter(|size| *size <= SMALL_COLOR);
+            let cells = small.map(|size| u64::from(size.div_ceil(self.lanes.tail)));
+            cells.sum::<u64>()
+        };
+        let most = self.by_passes().map(cells_of).max().unwrap_or(0);
+        if most * u64::from(CELL_LOOPS) <= self.lanes.rounds {
+            SMALL_COLOR
+        } else {
+            0
+        }
     }
 
     /// Adds the resets of multipliers, one dispatch per kind.
@@ -191,6 +217,7 @@ impl Compiler<'_> {
             },
             tail: EntryPoint::Tail,
             is_back: run[0].is_back(),
+            small: SMALL_COLOR,
             len: &|b, batch| b.body.batch_len(kind, batch),
         };
         self.colors(batches.collect(), &sweep, out);
@@ -211,12 +238,13 @@ impl Compiler<'_> {
             kernel,
             tail,
             is_back,
+            small,
             len,
         } = sweep;
         let before = out.len();
         batches.sort_unstable();
         let is_large = |batch: &BatchId| {
-            *batch != BatchId::Overflow && (self.by_passes()).any(|b| len(b, *batch) > SMALL_COLOR)
+            *batch != BatchId::Overflow && (self.by_passes()).any(|b| len(b, *batch) > small)
         };
         let large = batches
             .iter()

@@ -43,7 +43,7 @@ pub(super) struct Lanes {
     /// For passes with one lane per element.
     pub(super) pass: u32,
     /// For the loop over small colors.
-    tail: u32,
+    pub(super) tail: u32,
     /// For the whole-body schedule.
     pub(super) whole_body: u32,
     /// For patches.

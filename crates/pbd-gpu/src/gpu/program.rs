@@ -79,6 +79,7 @@ pub(super) struct Program {
 pub(super) struct Compiler<'a> {
     bodies: &'a [Stepped<'a>],
     pub(super) workgroup: u32,
+    pub(super) lanes: Lanes,
     /// Whether dispatches are those of a second or later round of an iteration.
     pub(super) is_later_round: bool,
     program: Program,
@@ -90,6 +91,7 @@ impl Program {
         let mut compiler = Compiler {
             bodies,
             workgroup: lanes.pass,
+            lanes,
             is_later_round: false,
             program: Self {
                 substeps,
@@ -118,10 +120,11 @@ impl Program {
     }
 
     /// Returns a program that only computes the bounding box of one body.
-    pub(super) fn bounds_of(slot: u32, vertices: u32, workgroup: u32) -> Self {
+    pub(super) fn bounds_of(slot: u32, vertices: u32, lanes: Lanes) -> Self {
         let mut compiler = Compiler {
             bodies: &[],
-            workgroup,
+            workgroup: lanes.pass,
+            lanes,
             is_later_round: false,
             program: Self::default(),
         };

@@ -17,12 +17,16 @@ use crate::constraints::batches::{BatchId, OVERFLOW};
 use crate::constraints::cells::{CELLS_PER_BLOCK, CellBlock, CellState};
 use crate::interior::Interior;
 use crate::kernels::cells::CellConstants;
+use crate::kernels::points::PIN_SWEEPS;
 use incise_lattice::NO_COPY;
 use incise_mesh::index_u32;
 use std::ops::Range;
 
 /// Entries of the state of a cell.
 const STATE_ENTRIES: usize = CELL_ENTRIES - CELL_STATE;
+
+/// Upper bound of the loop iterations in which an invocation projects a cell.
+pub(super) const CELL_LOOPS: u32 = 96;
 
 /// The inside of a solid.
 #[derive(Debug)]
@@ -109,6 +113,17 @@ impl DeviceSolid {
     /// Returns the number of colors.
     pub(super) fn colors(&self) -> u32 {
         index_u32(self.counts.len().saturating_sub(1))
+    }
+
+    /// Returns an upper bound of the loop iterations of an invocation that works alone: on the cells
+    /// without a color, on pins, and on vertices near colliders.
+    pub(super) fn serial_loops(&self, vertices: u32, pins: usize, colliders: usize) -> u64 {
+        let vertices = u64::from(vertices);
+        let cells = u64::from(self.batch_len(BatchId::Overflow)) * u64::from(CELL_LOOPS);
+        let pins = 2 * (PIN_SWEEPS * pins) as u64;
+        // The list is made of all vertices, and each collider passes it twice.
+        let near = vertices * (2 * colliders as u64 + 1);
+        cells.max(pins).max(near)
     }
 
     /// Returns the offsets that kernels read.

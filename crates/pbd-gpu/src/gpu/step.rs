@@ -99,6 +99,7 @@ impl GpuBackend {
         for stepped in bodies {
             let (body, solver) = (stepped.body, &mut *stepped.solver);
             prepared = self.send_small_changes(body, solver);
+            prepared = prepared.and_then(|()| self.check_loops(body, solver));
             if prepared.is_err() {
                 break;
             }
@@ -187,9 +188,9 @@ impl GpuBackend {
         let wants_state = std::mem::take(&mut resident.wants_state);
         let wants_motion = std::mem::take(&mut resident.wants_motion);
         // Zero substeps skip the other dispatches of the program.
-        let workgroup = self.pipelines.lanes.pass;
+        let lanes = self.pipelines.lanes;
         let count = self.resident_at(slot).map_or(0, |r| r.body.vertex_count);
-        self.program = Program::bounds_of(slot, count, workgroup);
+        self.program = Program::bounds_of(slot, count, lanes);
         self.program_of.clear();
         self.program_of.push(slot);
         self.program_is_stale = true;
@@ -204,6 +205,22 @@ impl GpuBackend {
             resident.wants_motion = wants_motion;
         }
         done
+    }
+
+    /// Checks that an adapter which limits loops can run those of a solid that are not shared.
+    fn check_loops(&self, body: GpuBody, solver: &Solver) -> Result<(), GpuError> {
+        let body = &self.resident(body)?.body;
+        let Some(solid) = &body.solid else {
+            return Ok(());
+        };
+        let colliders = solver.constraints().colliders.records().len();
+        let needed = solid.serial_loops(body.vertex_count, solver.pins().len(), colliders);
+        if needed <= self.pipelines.lanes.rounds {
+            return Ok(());
+        }
+        Err(GpuError::LoopsTooShort {
+            adapter: self.adapter().name.clone(),
+        })
     }
 
     /// Uploads the record of a body and counts its work.
