@@ -99,7 +99,7 @@ fn assert_equal(twin: &mut CpuGpuPair, gpu: &mut GpuBackend, when: &str) {
 }
 
 /// Gives a body random velocities, and displaces its vertices at random.
-fn shake(twin: &mut CpuGpuPair, gpu: &mut GpuBackend, random: &mut Random, by: f64, speed: f64) {
+fn shake(twin: &mut CpuGpuPair, gpu: &mut GpuBackend, random: &mut Random, by: f32, speed: f32) {
     let seed = random.bits();
     twin.edit(|surface, solver| {
         let mut random = Random::new(seed);
@@ -107,14 +107,19 @@ fn shake(twin: &mut CpuGpuPair, gpu: &mut GpuBackend, random: &mut Random, by: f
         for v in vertices {
             let p = &mut surface.positions_mut()[v.index()];
             for c in &mut p[..3] {
-                *c += (by * random.signed()) as f32;
+                *c += by * signed(&mut random);
             }
-            let to = [(); 3].map(|()| (speed * random.signed()) as f32);
+            let to = [(); 3].map(|()| speed * signed(&mut random));
             solver.set_velocity(v, to).expect("a vertex");
         }
         solver.mark_all_changed();
     });
     twin.update(gpu);
+}
+
+/// Returns a number from -0.9 to 0.9.
+fn signed(random: &mut Random) -> f32 {
+    random.fraction() * [-1.0, 1.0][random.below(2)]
 }
 
 /// One substep of deformed bodies: cells that turn, are flat or inside out.
@@ -347,13 +352,14 @@ fn edits_between_frames(context: &Context) {
 fn changed_substeps(context: &Context) {
     let mut gpu = GpuBackend::from_context(context.clone()).expect("a device");
     for (i, mut twin) in twins(&mut gpu).into_iter().enumerate() {
-        for frame in 0..6 {
+        for frame in 0..6_u8 {
+            let (odd, third) = (usize::from(frame % 2), usize::from(frame % 3));
             let params = SolverParams {
-                substep: Some([1.0 / 720.0, 1.0 / 500.0][frame % 2]),
-                iterations: 1 + (frame as u32) / 3,
+                substep: Some([1.0 / 720.0, 1.0 / 500.0][odd]),
+                iterations: 1 + u32::from(frame / 3),
                 ..PARAMS
             };
-            let dt = DT * [1.0, 0.07, 0.35][frame % 3];
+            let dt = DT * [1.0, 0.07, 0.35][third];
             twin.cpu
                 .step(&mut twin.on_cpu, dt, &params)
                 .expect("a step");
