@@ -26,6 +26,7 @@ mod shaders;
 mod solid;
 mod stats;
 mod step;
+mod submit;
 mod timestamps;
 mod uniforms;
 mod upload;

@@ -90,6 +90,11 @@ fn main() -> ExitCode {
         trial("pictures_of_simulations", any, program::simulate::pictures),
         long(trial("the_whole_gallery", any, program::gallery::all)),
         long(trial("all_models_match_the_cpu", strict, models::all)),
+        long(trial(
+            "random_solids_match_the_cpu",
+            strict,
+            scene::solids::random,
+        )),
         long(trial("closed_forms_hold", any, solver::long::closed_forms)),
         long(trial("stress_tests_hold", any, solver::long::stress)),
     ];

@@ -19,6 +19,9 @@ impl GpuBackend {
     /// The CPU copy must have been up to date before the edit, see [`GpuBackend::read`]. A solver
     /// other than the previous one, such as a clone, is uploaded whole and replaces it.
     ///
+    /// The nodes of a solid follow positions and velocities of vertices that were set since, as in
+    /// its next step on the CPU. Its inside is uploaded whole.
+    ///
     /// # Errors
     /// [`GpuError::UnknownBody`]; [`GpuError`] if the body does not fit in GPU memory. The CPU copy
     /// stays valid; the next call uploads everything.

@@ -56,6 +56,8 @@ pub struct GpuStats {
     pub interior_spring_projections: u64,
     /// Volume constraints projected by the step.
     pub volume_projections: u64,
+    /// Cells of solids projected by the step.
+    pub cell_projections: u64,
     /// Kernels compiled since the last step, including those for this step.
     pub kernels_compiled: u32,
     /// Bytes uploaded since the last step, including those of this step.

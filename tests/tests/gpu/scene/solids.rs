@@ -1,9 +1,13 @@
 //! Solids in GPU scenes match those in CPU scenes to the last bit of a saved state.
 
 use super::common::request;
-use incise_mesh::{Surface, VertexId, cuboid, icosphere};
+use incise_mesh::geometry::to_f32;
+use incise_mesh::{Surface, VertexId, cuboid, icosphere, torus};
 use incise_pbd_gpu::{Collider, Context, Material, Solid};
-use incise_scene::{BackendChoice, BodyId, ContactParams, Scene, SceneParams};
+use incise_scene::{
+    BackendChoice, BodyId, ContactParams, Scene, SceneParams, SleepParams, UndoStack,
+};
+use incise_test_support::random::Random;
 use incise_test_support::surfaces::at_rest;
 use nalgebra::Vector3;
 use serde_json::Value;
@@ -35,6 +39,136 @@ pub(crate) fn to_the_bit(context: Context) {
     for (id, state) in ids.into_iter().zip(&gpu.states) {
         assert!(state_of(&mut loaded, id) == *state, "after a load");
     }
+}
+
+/// Random scenes of solids: shapes, stiffnesses, supports, blades and undone cuts.
+pub(crate) fn random(context: Context) {
+    for seed in 0..SEEDS {
+        let mut scenes = [scene_on(&context), Scene::new(params())];
+        let results = scenes.each_mut().map(|scene| set_up(scene, seed));
+        let [ids, _] = results;
+        let mut undo = [UndoStack::new(4), UndoStack::new(4)];
+        let mut random = Random::new(!seed);
+        for frame in 0..90 {
+            let command = Command::new(&mut random, ids.len());
+            for (scene, undo) in scenes.iter_mut().zip(&mut undo) {
+                let ids: Vec<BodyId> = scene.bodies().collect();
+                command.run(scene, &ids, undo);
+                undo.step(scene).unwrap();
+            }
+            if random.below(8) == 0 || frame == 89 {
+                for i in 0..ids.len() {
+                    let [gpu, cpu] = scenes.each_mut().map(|scene| {
+                        let id = scene.bodies().nth(i).unwrap();
+                        (scene.is_asleep(id).unwrap(), state_of(scene, id))
+                    });
+                    assert_eq!(
+                        gpu.0, cpu.0,
+                        "sleep of body {i}, seed {seed}, frame {frame}"
+                    );
+                    assert!(gpu.1 == cpu.1, "body {i}, seed {seed}, frame {frame}");
+                }
+            }
+        }
+    }
+}
+
+/// Scenes of the random test.
+const SEEDS: u64 = 12;
+
+/// A random change of a scene before a frame.
+#[derive(Debug, Clone, Copy)]
+struct Command {
+    kind: usize,
+    body: usize,
+    at: [f64; 3],
+}
+
+impl Command {
+    fn new(random: &mut Random, bodies: usize) -> Self {
+        Self {
+            kind: random.below(24),
+            body: random.below(bodies),
+            at: [random.signed(), random.signed(), random.signed()],
+        }
+    }
+
+    fn run(&self, scene: &mut Scene, ids: &[BodyId], undo: &mut UndoStack) {
+        let id = ids[self.body];
+        let [x, y, z] = to_f32(self.at.into());
+        let blade = scene.blades().next().unwrap();
+        match self.kind {
+            // Blades that cross the scene at once, or a part of it in every frame.
+            0 => {
+                let ends = [[2.0 + x, 0.3 * y, -3.0], [2.0 - z, 0.3 * z, 3.0]];
+                scene.move_blade(blade, ends).unwrap();
+            }
+            1 => {
+                let ends = [[-2.0 + x, 0.3 * y, -3.0], [-2.0 - z, 0.3 * z, 3.0]];
+                scene.move_blade(blade, ends).unwrap();
+            }
+            2..8 => {
+                let to = 0.3 * f32::from(self.kind as u8) - 1.2;
+                scene
+                    .move_blade(blade, [[to, 0.1, -3.0], [to, 0.1, 3.0]])
+                    .unwrap();
+            }
+            8 => {
+                let (solver, surface) = scene.edit(id).unwrap().solver_mut();
+                solver.pin(surface, VertexId(3)).unwrap();
+            }
+            9..12 => {
+                let to = [x, 0.3 * y, z];
+                // The vertex may not be pinned.
+                let _ = scene.set_pin_target(id, VertexId(3), to);
+            }
+            12 => {
+                let (solver, surface) = scene.edit(id).unwrap().solver_mut();
+                let _ = solver.unpin(surface, VertexId(3));
+            }
+            13 => {
+                let (solver, _) = scene.edit(id).unwrap().solver_mut();
+                solver.set_velocity(VertexId(1), [x, y, z]).unwrap();
+            }
+            14 => {
+                let (_, surface) = scene.edit(id).unwrap().solver_mut();
+                surface.positions_mut()[2][1] += 0.02 * y;
+            }
+            15 => {
+                let _ = undo.undo(scene, id);
+            }
+            16 => scene.colliders[0] = Collider::ground(-0.6 + 0.05 * y),
+            _ => {}
+        }
+    }
+}
+
+/// Adds random bodies, the ground, a ball and a blade; returns the bodies.
+fn set_up(scene: &mut Scene, seed: u64) -> Vec<BodyId> {
+    let mut random = Random::new(seed);
+    scene.params.sleep = (random.below(2) == 0).then(SleepParams::default);
+    scene.params.contacts = (random.below(3) > 0).then(|| ContactParams {
+        self_collision: random.below(2) == 0,
+        ..ContactParams::default()
+    });
+    scene.colliders.push(Collider::ground(-0.6));
+    scene.colliders.push(Collider::Sphere {
+        center: [0.3, -0.6, 0.1],
+        radius: 0.2,
+    });
+    scene.add_blade([[-3.0, 0.1, -3.0], [-3.0, 0.1, 3.0]]);
+    (0..=random.below(3))
+        .map(|i| {
+            let surface = match random.below(3) {
+                0 => icosphere(2, 0.4),
+                1 => torus(0.35, 0.15, 20, 10),
+                _ => cuboid([0.4, 0.1, 0.2], [6, 2, 3]),
+            };
+            let young_modulus = random.log(1e4, 1e8);
+            let place = [0.2 * random.signed(), i as f64, 0.2 * random.signed()];
+            add(scene, surface, young_modulus, place)
+        })
+        .collect()
 }
 
 /// Returns everything that is saved of a body, without the statistics of its last step on the CPU.

@@ -28,6 +28,7 @@ pub(crate) fn to_the_bit(context: Context) {
     edits_between_frames(&context);
     changed_substeps(&context);
     contacts_are_refused(&context);
+    numbers_that_are_none(&context);
 }
 
 /// A closeness that every adapter reaches in a few substeps.
@@ -135,6 +136,8 @@ fn single_sweeps(context: &Context) {
                 .expect("a step");
             gpu.step([(twin.body, &mut twin.solver)], dt, &PARAMS)
                 .expect("a step");
+            let projected = gpu.stats().cell_projections;
+            assert_eq!(projected, twin.cpu.stats().cell_projections, "all cells");
             let when = format!("after a substep of body {i}, displaced by {by} m");
             assert_equal(&mut twin, &mut gpu, &when);
         }
@@ -383,4 +386,42 @@ fn contacts_are_refused(context: &Context) {
     twin.edit(|_, solver| solver.set_contacts(&[]).expect("none"));
     twin.step(&mut gpu, &PARAMS);
     assert_equal(&mut twin, &mut gpu, "after a call that was refused");
+}
+
+/// A vertex whose node flies infinitely far is reported, and the copy on the CPU stays.
+fn numbers_that_are_none(context: &Context) {
+    let mut gpu = GpuBackend::from_context(context.clone()).expect("a device");
+    let mut twin = twins(&mut gpu).swap_remove(0);
+    twin.edit(|surface, solver| {
+        for v in surface.topology().vertices() {
+            solver.set_velocity(v, [3e38, 0.0, 0.0]).expect("a vertex");
+        }
+    });
+    twin.update(&mut gpu);
+    let params = SolverParams {
+        substep: Some(1.0),
+        ..PARAMS
+    };
+    let expected = twin.cpu.step(&mut twin.on_cpu, 4.0, &params).map(|_| ());
+    gpu.step([(twin.body, &mut twin.solver)], 4.0, &params)
+        .expect("not known yet");
+    let before = twin.on_gpu.positions().to_vec();
+    let found = gpu.read(twin.body, &mut twin.on_gpu, &mut twin.solver);
+    let substep_of = |error: Option<StepError>| match error {
+        Some(StepError::NonFinitePosition { vertex, substep }) => {
+            assert!(!vertex.is_null(), "a vertex of the surface");
+            substep
+        }
+        other => panic!("{other:?}"),
+    };
+    let found = match found {
+        Err(GpuError::Step(error)) => Some(error),
+        _ => None,
+    };
+    assert_eq!(
+        substep_of(found),
+        substep_of(expected.err()),
+        "the first substep"
+    );
+    assert_eq!(twin.on_gpu.positions(), before, "the copy on the CPU");
 }
