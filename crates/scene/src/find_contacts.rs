@@ -122,9 +122,14 @@ impl Scene {
         self.stats.contact_searches = 0;
         self.detection.begin_search(self.bodies.len());
         if self.bodies.iter().flatten().nth(1).is_some() {
-            while let Err(error) = self.find_near() {
-                // After a fallback the CPU copies are the bodies.
-                self.recover(None, error)?;
+            loop {
+                match self.find_near() {
+                    // Bodies that were read back have smaller boxes, by which others are near.
+                    Ok(()) if self.read_back_near()? => {}
+                    Ok(()) => break,
+                    // After a fallback the CPU copies are the bodies.
+                    Err(error) => self.recover(None, error)?,
+                }
             }
         }
         for i in 0..self.bodies.len() {
@@ -166,6 +171,26 @@ impl Scene {
         );
         self.detection.find(&self.bodies, &frame);
         Ok(())
+    }
+
+    /// Reads back the GPU bodies near others; returns whether there are any.
+    fn read_back_near(&mut self) -> Result<bool, SceneError> {
+        let mut any = false;
+        for (i, body) in self.bodies.iter_mut().enumerate() {
+            let (Some(gpu), Some(body)) = (&mut self.gpu, body) else {
+                continue;
+            };
+            if self.detection.is_near(i) && !self.sleep.is_asleep(i) {
+                match gpu.read_back(i, body) {
+                    Ok(is_read) => any |= is_read,
+                    Err(error) => {
+                        self.recover(None, error)?;
+                        return Ok(true);
+                    }
+                }
+            }
+        }
+        Ok(any)
     }
 
     /// Finds the bodies whose boxes overlap within the frame.

@@ -6,7 +6,7 @@ use super::edit::check_slots;
 use super::error::GpuError;
 use super::layout::Report;
 use super::readback::Part;
-use super::solid::DeviceSolid;
+use super::solid::{DeviceSolid, first_non_finite};
 use crate::error::StepError;
 use crate::solver::Solver;
 use incise_mesh::{Aabb, Surface, VertexId};
@@ -211,14 +211,10 @@ fn take_solid(
     solver: &mut Solver,
 ) -> Result<(), GpuError> {
     if let Some(interior) = solver.interior_mut() {
-        if let Some((node, substep)) = report.non_finite() {
-            // The report has a node.
+        if let Some((_, substep)) = report.non_finite() {
+            // The report has a node, of which there may be no vertex.
             let slots = 0..surface.positions().len();
-            let mut slots = slots.filter(|&slot| {
-                let nodes = interior.nodes_of(slot);
-                nodes.is_some_and(|nodes| nodes.contains(&node))
-            });
-            let vertex = slots.next().map_or(VertexId::NULL, VertexId::from_index);
+            let vertex = first_non_finite(data, interior, slots);
             return Err(StepError::NonFinitePosition { vertex, substep }.into());
         }
         solid.end_copy(data, interior);

@@ -19,7 +19,7 @@ use crate::interior::Interior;
 use crate::kernels::cells::CellConstants;
 use crate::kernels::points::PIN_SWEEPS;
 use incise_lattice::NO_COPY;
-use incise_mesh::index_u32;
+use incise_mesh::{VertexId, index_u32};
 use std::ops::Range;
 
 /// Entries of the state of a cell.
@@ -300,6 +300,29 @@ impl DeviceSolid {
         });
         interior.cells.set_states(states);
     }
+}
+
+/// Returns the first vertex that downloaded nodes place where a coordinate is not finite, or null.
+pub(super) fn first_non_finite(
+    bytes: &[u8],
+    interior: &Interior,
+    mut slots: Range<usize>,
+) -> VertexId {
+    let is_bad = |node: u32| {
+        let start = node as usize * size_of::<[f32; 4]>();
+        let row = bytes.get(start..start + size_of::<[f32; 4]>());
+        row.is_some_and(|row| {
+            let row = bytemuck::pod_read_unaligned::<[f32; 4]>(row);
+            !row.iter().all(|c| c.is_finite())
+        })
+    };
+    let is_placed = |&slot: &usize| {
+        let nodes = interior.nodes_of(slot);
+        nodes.is_some_and(|nodes| nodes.iter().any(|&node| is_bad(node)))
+    };
+    slots
+        .find(is_placed)
+        .map_or(VertexId::NULL, VertexId::from_index)
 }
 
 /// Uploads the gathered entries to the start of a range.
