@@ -159,11 +159,6 @@ impl CellSet {
         }
     }
 
-    /// Returns the cells without a color, which are projected one after the other.
-    pub(crate) fn overflow(&self) -> &CellBatch {
-        &self.overflow
-    }
-
     /// Returns the numbers of the batches that have cells, the overflow last.
     pub(crate) fn numbers(&self) -> impl Iterator<Item = usize> {
         let batches = self.batches.iter().enumerate();
@@ -172,7 +167,7 @@ impl CellSet {
     }
 
     /// Returns all batches, the overflow last.
-    fn all(&self) -> impl Iterator<Item = &CellBatch> {
+    pub(crate) fn all(&self) -> impl Iterator<Item = &CellBatch> {
         self.batches.iter().chain([&self.overflow])
     }
 

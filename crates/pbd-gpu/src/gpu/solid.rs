@@ -162,11 +162,7 @@ impl DeviceSolid {
         vertices: usize,
     ) -> Result<(), GpuError> {
         let nodes = interior.positions.len();
-        let batches = || {
-            let colors = interior.cells.batches().iter();
-            colors.chain([interior.cells.overflow()])
-        };
-        let cells: usize = batches().map(|batch| batch.len()).sum();
+        let cells = interior.cells.len();
         (self.nodes, _) = arenas.vertices.allocate(context, with_slack(nodes))?;
         let entries = &mut arenas.entries;
         for (range, count) in [
@@ -178,7 +174,7 @@ impl DeviceSolid {
         }
         self.node_count = index_u32(nodes);
         self.counts.clear();
-        (self.counts).extend(batches().map(|batch| index_u32(batch.len())));
+        (self.counts).extend((interior.cells.all()).map(|batch| index_u32(batch.len())));
         self.summed_for = interior.constants();
         self.cell_size = interior.cell_size();
         let offset = u64::from(self.nodes.start) * size_of::<[f32; 4]>() as u64;
