@@ -141,6 +141,12 @@ impl Interior {
         self.constants
     }
 
+    /// Sets the coefficients of the forces at nodes that were read back.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn set_constants(&mut self, constants: CellConstants) {
+        self.constants = constants;
+    }
+
     /// Returns the length of the edges of a cell \[m\].
     #[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
     pub(crate) fn cell_size(&self) -> f32 {

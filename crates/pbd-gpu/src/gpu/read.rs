@@ -148,9 +148,9 @@ impl GpuBackend {
             let start = u64::from(body.first_vertex()) * 16;
             let bytes = u64::from(body.vertex_count) * 16;
             let report = report_part(&self.arenas, body.slot);
-            let parts = match &body.solid {
+            let parts = match &mut body.solid {
                 Some(solid) => {
-                    let [positions, motions, cells] = solid.parts(&self.arenas);
+                    let [positions, motions, cells] = solid.begin_copy(&self.arenas);
                     [report, positions, motions, cells]
                 }
                 None => [

@@ -50,6 +50,8 @@ pub(super) struct DeviceSolid {
     cell_size: f32,
     /// Coefficients for which the forces at nodes are summed, now or by the next submission.
     summed_for: CellConstants,
+    /// Coefficients of the forces that were copied last.
+    copied_for: CellConstants,
     /// Whether forces are summed again before the next frame.
     needs_sums: bool,
 }
@@ -78,6 +80,7 @@ impl DeviceSolid {
             known_starts: Vec::new(),
             cell_size: 0.0,
             summed_for: CellConstants::NONE,
+            copied_for: CellConstants::NONE,
             needs_sums: false,
         }
     }
@@ -254,7 +257,8 @@ impl DeviceSolid {
     }
 
     /// Returns nodes, their motions and the cells in their buffers, to be copied.
-    pub(super) fn parts<'a>(&self, arenas: &'a Arenas) -> [Part<'a>; 3] {
+    pub(super) fn begin_copy<'a>(&mut self, arenas: &'a Arenas) -> [Part<'a>; 3] {
+        self.copied_for = self.summed_for;
         let vector = size_of::<[f32; 4]>() as u64;
         let (start, bytes) = (
             u64::from(self.nodes.start) * vector,
@@ -274,7 +278,9 @@ impl DeviceSolid {
         ]
     }
 
-    /// Copies downloaded [parts](Self::parts) to the inside of the solver that was uploaded last.
+    /// Copies downloaded [parts](Self::begin_copy) to the inside of the solver.
+    ///
+    /// A late copy may have the forces of other coefficients than those of the last frame.
     pub(super) fn end_copy(&self, bytes: &[u8], interior: &mut Interior) {
         let size = size_of_val(&interior.positions[..]);
         let (positions, rest) = bytes.split_at(size.min(bytes.len()));
@@ -295,6 +301,7 @@ impl DeviceSolid {
             state_of(&numbers)
         });
         interior.cells.set_states(states);
+        interior.set_constants(self.copied_for);
     }
 }
 
