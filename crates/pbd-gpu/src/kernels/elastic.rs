@@ -158,6 +158,38 @@ mod tests {
     use crate::step::substeps::Substeps;
     use incise_mesh::icosphere;
 
+    const FRAME: FrameInputs = FrameInputs {
+        dt: 1.0 / 60.0,
+        substeps: Substeps {
+            count: 12,
+            h: 1.0 / 720.0,
+        },
+        has_contacts: false,
+        contact_rounds: 1,
+        reaches_colliders: false,
+    };
+
+    #[test]
+    fn cells_hold_the_energy_of_a_sum_in_64_bits() {
+        for (young_modulus, stretch) in [(1e4, 1.3), (1e6, 1.01), (1e8, 0.9)] {
+            let mut surface = icosphere(2, 0.5);
+            let material = Material::solid(young_modulus, 0.4, 1000.0);
+            let mut solver = Solver::new(&mut surface, &material).unwrap();
+            for p in surface.positions_mut() {
+                p[0] *= stretch;
+            }
+            let params = SolverParams::default();
+            solver.step(&mut surface, 1.0 / 60.0, &params).unwrap();
+            let constants = solver.prepare(FRAME, &params).unwrap();
+            let expected = solver.elastic_energy();
+            let body = solver.guarded(&surface);
+            let found = f64::from(cell_energy(body.cells.unwrap(), &constants));
+            // Rounded up to units of 2^-24 of the largest energy.
+            let off = found / expected - 1.0;
+            assert!((-1e-6..1e-5).contains(&off), "{found} J, not {expected}");
+        }
+    }
+
     #[test]
     fn springs_hold_the_square_of_their_error() {
         let mut surface = icosphere(1, 1.0);
@@ -173,18 +205,7 @@ mod tests {
         for p in surface.positions_mut() {
             p[0] *= 1.1;
         }
-        let substeps = Substeps {
-            count: 12,
-            h: 1.0 / 720.0,
-        };
-        let frame = FrameInputs {
-            dt: 1.0 / 60.0,
-            substeps,
-            has_contacts: false,
-            contact_rounds: 1,
-            reaches_colliders: false,
-        };
-        let constants = solver.prepare(frame, &SolverParams::default()).unwrap();
+        let constants = solver.prepare(FRAME, &SolverParams::default()).unwrap();
         let body = solver.guarded(&surface);
         let found = elastic_energy(body.positions, body.sets, &constants);
         let mut deformed = surface.clone();
