@@ -78,7 +78,7 @@
 #define INCISE_MATERIAL_JELLY 7
 
 /*
- Natural rubber, 2 MPa.
+ Natural rubber, 2,000 kPa.
  */
 #define INCISE_MATERIAL_RUBBER 8
 

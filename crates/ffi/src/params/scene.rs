@@ -140,7 +140,7 @@ pub const INCISE_MATERIAL_LIVER: u32 = 5;
 pub const INCISE_MATERIAL_MUSCLE: u32 = 6;
 /// Gelatin of 5 %, 12.5 kPa.
 pub const INCISE_MATERIAL_JELLY: u32 = 7;
-/// Natural rubber, 2 MPa.
+/// Natural rubber, 2,000 kPa.
 pub const INCISE_MATERIAL_RUBBER: u32 = 8;
 
 /// Mass per area, in kg/m^2.

@@ -193,7 +193,7 @@ namespace Incise
         /// <summary>Returns gelatin of 5 %, 12.5 kPa.</summary>
         public static Material Jelly { get { return Preset(7); } }
 
-        /// <summary>Returns natural rubber, 2 MPa.</summary>
+        /// <summary>Returns natural rubber, 2,000 kPa.</summary>
         public static Material Rubber { get { return Preset(8); } }
 
         static Material Preset(uint preset)

@@ -55,7 +55,7 @@ impl Material {
         Self::solid(1.25e4, TISSUE, 1000.0)
     }
 
-    /// Returns natural rubber: 2 MPa, 930 kg/m^3 (Ashby 2011, tables of natural rubber).
+    /// Returns natural rubber: 2,000 kPa, 930 kg/m^3 (Ashby 2011, tables of natural rubber).
     ///
     /// Poisson's ratio is 0.49; that of rubber is nearer to 1/2.
     #[must_use]
