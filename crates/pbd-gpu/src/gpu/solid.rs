@@ -118,8 +118,8 @@ impl DeviceSolid {
         index_u32(self.counts.len().saturating_sub(1))
     }
 
-    /// Returns an upper bound of the loop iterations of an invocation that works alone: on the cells
-    /// without a color, on pins, and on vertices near colliders.
+    /// Returns an upper bound of the loop iterations of an invocation that works alone: on the
+    /// cells without a color, on pins, and on vertices near colliders.
     pub(super) fn serial_loops(&self, vertices: u32, pins: usize, colliders: usize) -> u64 {
         let vertices = u64::from(vertices);
         let cells = u64::from(self.batch_len(BatchId::Overflow)) * u64::from(CELL_LOOPS);

@@ -29,10 +29,10 @@ impl GpuBackend {
     /// without, share a submission.
     ///
     /// # Errors
-    /// [`GpuError`] if a parameter is out of range, a solid has contacts, a body is unknown, has another solver or was
-    /// edited without [`GpuBackend::update`], the frame needs too many dispatches, or the GPU
-    /// fails. No body is stepped then, except in an earlier submission. [`GpuBackend::read`]
-    /// reports positions that are not finite.
+    /// [`GpuError`] if a parameter is out of range, a solid has contacts, a body is unknown, has
+    /// another solver or was edited without [`GpuBackend::update`], the frame needs too many
+    /// dispatches, or the GPU fails. No body is stepped then, except in an earlier submission.
+    /// [`GpuBackend::read`] reports positions that are not finite.
     pub fn step<'a>(
         &mut self,
         bodies: impl IntoIterator<Item = (GpuBody, &'a mut Solver)>,
