@@ -5,7 +5,7 @@ mod body;
 mod latency;
 mod progressive;
 
-use crate::options::{MethodArguments, ModelArguments, OutputArguments};
+use crate::options::{MaterialArguments, MethodArguments, ModelArguments, OutputArguments};
 use crate::output::Output;
 use crate::workload::{Workload, workloads};
 use body::{CutBody, Outcomes, StageTimes};
@@ -61,6 +61,9 @@ struct Parameters {
     #[command(flatten)]
     #[serde(flatten)]
     caps: MethodArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    material: MaterialArguments,
     /// Seed of the planes.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -135,7 +138,7 @@ struct Row {
 /// An error of the solver or of an undo; errors of cuts are recorded.
 fn measure(workload: &Workload, arguments: &CutArguments) -> Result<Vec<Row>, Box<dyn Error>> {
     let parameters = &arguments.parameters;
-    let mut body = CutBody::new(workload.surface()?, parameters.caps)?;
+    let mut body = CutBody::new(workload.surface()?, parameters)?;
     let triangles = body.surface.topology().triangle_count();
     let mut run = |planes: &[RelativePlane]| -> Result<Outcomes, Box<dyn Error>> {
         let mut outcomes = Outcomes::default();

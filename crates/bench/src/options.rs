@@ -1,10 +1,12 @@
 //! Options that several benches share.
 
+use crate::motion;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use incise_cut::{CutOutcome, CutParams, Cutter, Sweep};
 use incise_mesh::Surface;
 use incise_paper::PaperParams;
+use incise_pbd_gpu::{Material, Solid};
 use incise_refine::{RefineParams, RefinementLevel};
 use incise_scene::{BackendChoice, BackendRequest};
 use serde::{Serialize, Serializer};
@@ -121,6 +123,38 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
     value
         .filter(|v| v.is_finite() && *v > 0.0)
         .ok_or_else(|| format!("'{text}' is not a positive number or fraction"))
+}
+
+/// Material of the bodies.
+#[derive(Args, Clone, Copy, Debug, Default, Serialize)]
+pub(crate) struct MaterialArguments {
+    /// Bodies are soft solids with at most this many cells along the longest side, instead of
+    /// surfaces of the table's material.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
+    cells_across: Option<u32>,
+}
+
+impl MaterialArguments {
+    /// Returns the material.
+    pub(crate) fn material(self) -> Material {
+        let Some(cells_across) = self.cells_across else {
+            return motion::material();
+        };
+        let soft = Material::soft_body();
+        let solid = soft.solid.unwrap_or_default();
+        Material {
+            solid: Some(Solid {
+                cells_across,
+                ..solid
+            }),
+            ..soft
+        }
+    }
+
+    /// Returns whether bodies are solids.
+    pub(crate) fn is_solid(self) -> bool {
+        self.cells_across.is_some()
+    }
 }
 
 /// A cut method.

@@ -1,7 +1,7 @@
 //! A body that is cut and restored, and the times of the stages of its cuts.
 
+use super::Parameters;
 use crate::measure::{median, percentile, sorted};
-use crate::motion;
 use crate::options::MethodArguments;
 use incise_cut::{CutOutcome, CutReport, Cutter, Sweep};
 use incise_mesh::{Surface, Vec3, VertexId};
@@ -44,12 +44,12 @@ impl Outcomes {
 }
 
 impl CutBody {
-    /// Returns a body of the table's material.
+    /// Returns a body of the material and the cuts of some parameters.
     pub(super) fn new(
         mut surface: Surface,
-        caps: MethodArguments,
+        parameters: &Parameters,
     ) -> Result<Self, ConstraintError> {
-        let solver = Solver::new(&mut surface, &motion::material())?;
+        let solver = Solver::new(&mut surface, &parameters.material.material())?;
         let mut cutter = Cutter::new(&surface);
         cutter.set_threads(None);
         cutter.set_defers_bvh(true);
@@ -57,7 +57,7 @@ impl CutBody {
             cutter,
             surface,
             solver,
-            caps,
+            caps: parameters.caps,
             only_piece: None,
         })
     }

@@ -50,7 +50,7 @@ pub(super) struct Row {
 /// # Errors
 /// An error of the solver or of an undo, or a body too small for another slice.
 pub(super) fn measure(parameters: &Parameters, cuts: u32) -> Result<Vec<Row>, Box<dyn Error>> {
-    let mut body = CutBody::new(cube_sphere(QUADS, 0.5), parameters.caps)?;
+    let mut body = CutBody::new(cube_sphere(QUADS, 0.5), parameters)?;
     let mut directions = Directions(parameters.seed);
     // The ball keeps its piece number: it has the most triangles.
     let piece = body.surface.piece(TriangleId(0));

@@ -93,21 +93,24 @@ pub(super) fn run(
     mut output: CutOutput<'_>,
 ) -> Result<(), Box<dyn Error>> {
     let steps = arguments.steps;
-    let Parameters { caps, seed } = output.parameters;
-    let params = caps.exact();
+    let parameters = output.parameters;
     let bodies = progressive_workloads(&arguments.models, steps.is_some())?;
+    // A solid is moved by its solver only.
+    let motions: &'static [&'static str] = match parameters.material.is_solid() {
+        true => &[STILL],
+        false => &[STILL, TURNING],
+    };
     let plans: Vec<Plan> = match steps {
         Some(steps) => vec![Plan {
             kinds: &StrokeKind::ALL,
             planes: Planes::Crossing,
-            motions: &[STILL, TURNING],
+            motions,
             steps: steps.div_ceil(bodies.len().max(1)),
             is_long: true,
         }],
         None => {
-            let motions: [&[&str]; 2] = [&[STILL], &[TURNING]];
             let each = StrokeKind::ALL.iter().flat_map(|kind| {
-                motions.map(|motions| Plan {
+                motions.chunks(1).map(|motions| Plan {
                     kinds: std::slice::from_ref(kind),
                     planes: Planes::Parallel,
                     motions,
@@ -124,7 +127,7 @@ pub(super) fn run(
         let surface = body.surface()?;
         for plan in &plans {
             output.progress.begin(&body.name);
-            let row = Measured::row(body, &surface, plan, &params, seed)?;
+            let row = Measured::row(body, &surface, plan, &parameters)?;
             steps += row.steps;
             let counts = row.failures.iter().map(|failure| failure.count);
             failures += counts.sum::<usize>();
@@ -158,11 +161,11 @@ impl Measured {
         workload: &Workload,
         surface: &Surface,
         plan: &Plan,
-        params: &CutParams,
-        seed: u64,
+        parameters: &Parameters,
     ) -> Result<Row, Box<dyn Error>> {
         let mut all = Self::default();
-        let mut path = Strokes::new(plan.planes, seed);
+        let params = parameters.caps.exact();
+        let mut path = Strokes::new(plan.planes, parameters.seed);
         let triangles = surface.topology().triangle_count();
         let mut idle = 0;
         let mut body = None;
@@ -171,11 +174,14 @@ impl Measured {
                 Some(own) => own,
                 None => {
                     all.row.bodies += 1;
-                    body.insert(IncisedBody::new(surface.clone())?)
+                    body.insert(IncisedBody::new(
+                        surface.clone(),
+                        &parameters.material.material(),
+                    )?)
                 }
             };
             let before = all.steps.len();
-            let is_valid = all.stroke(own, plan, &mut path, params)?;
+            let is_valid = all.stroke(own, plan, &mut path, &params)?;
             idle = match all.steps.len() > before {
                 true => 0,
                 false => idle + 1,

@@ -3,11 +3,10 @@
 use super::strokes::turned;
 use crate::cut::body::StageTimes;
 use crate::measure;
-use crate::motion;
 use incise_cut::{CutError, CutParams, Cutter, Incision};
 use incise_mesh::Surface;
 use incise_models::pose;
-use incise_pbd_gpu::Solver;
+use incise_pbd_gpu::{Material, Solver};
 use std::error::Error;
 use std::time::Instant;
 
@@ -39,12 +38,12 @@ pub(super) struct Step {
 }
 
 impl IncisedBody {
-    /// Returns a body of the table's material.
+    /// Returns a body of a material.
     ///
     /// # Errors
     /// An error of the solver.
-    pub(super) fn new(mut surface: Surface) -> Result<Self, Box<dyn Error>> {
-        let solver = Solver::new(&mut surface, &motion::material())?;
+    pub(super) fn new(mut surface: Surface, material: &Material) -> Result<Self, Box<dyn Error>> {
+        let solver = Solver::new(&mut surface, material)?;
         Ok(Self {
             cutter: Cutter::new(&surface),
             step_length: solver.mean_rest_length(),
