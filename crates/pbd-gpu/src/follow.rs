@@ -43,6 +43,8 @@ struct Scratch {
     lists: EdgeLists,
     mass_transfer: MassTransfer,
     restored: Vec<VertexId>,
+    /// Vertices of a solid with other triangles than before.
+    changed: Vec<VertexId>,
 }
 
 impl Clone for Scratch {

@@ -417,18 +417,19 @@ fn set_weights(block: &mut CellBlock, lane: usize, inverse_masses: [f64; 8], siz
         terms.map(|(node, w)| sign(mode, node) * w).sum::<f64>() / 8.0
     });
     set_row(&mut block.mode_weights, lane, modes.map(|w| w as f32));
-    // Derivatives of the modes at the centroid, by axis [1/m].
+    // By axis, the modes with a derivative along it, and these at the centroid [1/m].
     let [x, y, z] = row(&block.center, lane).map(f64::from);
-    let mut derivatives = [[0.0; 8]; 3];
-    derivatives[0] = [0.0, 1.0, 0.0, y, 0.0, z, 0.0, y * z];
-    derivatives[1] = [0.0, 0.0, 1.0, x, 0.0, 0.0, z, x * z];
-    derivatives[2] = [0.0, 0.0, 0.0, 0.0, 1.0, x, y, x * y];
+    let derivatives: [[(usize, f64); 4]; 3] = [
+        [(1, 1.0), (3, y), (5, z), (7, y * z)],
+        [(2, 1.0), (3, x), (6, z), (7, x * z)],
+        [(4, 1.0), (5, x), (6, y), (7, x * y)],
+    ];
     let scale = 2.0 / size;
     let product = |a: usize, b: usize| {
         let mut sum = 0.0;
-        for m in 0..8 {
-            for n in 0..8 {
-                sum += derivatives[a][m] * derivatives[b][n] * modes[m ^ n];
+        for (m, of_m) in derivatives[a] {
+            for (n, of_n) in derivatives[b] {
+                sum += of_m * of_n * modes[m ^ n];
             }
         }
         sum * scale * scale / 8.0

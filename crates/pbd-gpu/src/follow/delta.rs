@@ -76,6 +76,7 @@ impl FollowState {
             lists,
             mass_transfer,
             restored,
+            ..
         } = scratch;
         let mut pins_changed = false;
         let mut update_particles = || {
@@ -137,8 +138,14 @@ impl FollowState {
             particles.mass[v.index()] = 0.0;
             particles.velocities[v.index()] = [0.0; 4];
         }
-        let corners = delta.triangles_added.iter();
-        for v in corners.flat_map(|&t| surface.topology().triangle(t)) {
+        let changed = &mut self.scratch.changed;
+        changed.clear();
+        for &t in &delta.triangles_added {
+            changed.extend(surface.topology().triangle(t));
+        }
+        changed.sort_unstable();
+        changed.dedup();
+        for &v in &*changed {
             particles.mass[v.index()] = (density * lumped_area(surface, v)) as f32;
         }
         particles.resize(slots);

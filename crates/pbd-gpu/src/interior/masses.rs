@@ -44,11 +44,17 @@ impl Interior {
         let of_node = |node: VertexId| is_changed[node.index()];
         self.mean_stiff = self.cells.set_weights(inverse_mass, of_node, size);
         (self.cells).sum_forces(&mut self.node_forces, &self.constants, of_node);
+        let of_copy = |nodes: &[u32; 8]| {
+            let mut nodes = nodes.iter();
+            nodes.any(|&node| is_changed.get(node as usize) == Some(&true))
+        };
+        let copies: Vec<bool> = self.lattice.nodes.iter().map(of_copy).collect();
         let slots = surface.positions().len();
         self.inverse_masses.resize(slots, 0.0);
         for slot in 0..slots {
-            let nodes = self.nodes_of(slot);
-            if nodes.is_none_or(|nodes| nodes.iter().any(|&node| is_changed[node as usize])) {
+            let copy = self.lattice.vertex_copies.get(slot);
+            let changed = copy.and_then(|&copy| copies.get(copy as usize));
+            if changed.copied().unwrap_or(true) {
                 let inverse_mass = self.point_inverse_mass(slot);
                 self.inverse_masses[slot] = inverse_mass;
                 surface.positions_mut()[slot][3] = inverse_mass;

@@ -28,29 +28,37 @@ impl Interior {
         // Parents that are new themselves have the copy that was found for them.
         let mut copies = self.lattice.vertex_copies.clone();
         copies.resize(surface.positions().len(), NO_COPY);
+        let mut candidates = Vec::new();
         for added in &delta.vertices_added {
             if matches!(added.origin, VertexOrigin::Restored { .. }) {
                 continue;
             }
-            let mut candidates: Vec<u32> = added
-                .origin
-                .weights()
-                .into_iter()
-                .filter_map(|(parent, _)| copies.get(parent.index()).copied())
-                .filter(|&copy| self.lattice.is_copy(copy))
-                .collect();
+            let parents = added.origin.weights().into_iter();
+            candidates.clear();
+            candidates.extend(
+                parents
+                    .filter_map(|(parent, _)| copies.get(parent.index()).copied())
+                    .filter(|&copy| self.lattice.is_copy(copy)),
+            );
             candidates.sort_unstable();
             candidates.dedup();
             let v = added.vertex;
             let target = surface.position(v);
             let rest = surface.rest_position(v);
-            let best = candidates
-                .into_iter()
-                .filter_map(|copy| {
-                    let at = self.rest_of(copy, target, rest)?;
-                    Some((copy, at, self.outside(copy, at)))
-                })
-                .min_by(|a, b| a.2.total_cmp(&b.2).then(a.0.cmp(&b.0)));
+            let mut best: Option<(u32, Vec3, f64)> = None;
+            for &copy in &candidates {
+                let Some(at) = self.rest_of(copy, target, rest) else {
+                    continue;
+                };
+                let outside = self.outside(copy, at);
+                if best.is_none_or(|best| outside < best.2) {
+                    best = Some((copy, at, outside));
+                }
+                // The others can only be as good.
+                if outside <= 0.0 {
+                    break;
+                }
+            }
             if let Some((copy, at, _)) = best {
                 copies[v.index()] = copy;
                 #[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
