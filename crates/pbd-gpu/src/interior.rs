@@ -55,8 +55,6 @@ pub(crate) struct Interior {
     pub(crate) near: Vec<Near>,
     /// Mass by rest area at creation [kg/m^2].
     area_density: f64,
-    /// Volume of the surface by that of the scanlines.
-    volume_scale: f64,
     /// Mean rest length of the edges of the surface at creation \[m\].
     pub(crate) mean_rest_length: f64,
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -105,7 +103,6 @@ impl Interior {
             pin_starts: Vec::new(),
             near: Vec::new(),
             area_density: mass / surface.lumped_rest_areas().iter().sum::<f64>(),
-            volume_scale: 1.0,
             mean_rest_length: surface.mean_rest_edge_length(),
             scratch: EditScratch::default(),
             constants: CellConstants::NONE,

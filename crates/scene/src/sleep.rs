@@ -32,8 +32,9 @@ incise_params::params! {
         /// observation. This takes more than 32 frames, [`SleepParams::LAG`] included. Rounding
         /// adds up to four times as much: a few units in the last place of the body's largest
         /// coordinate. A body whose coordinates round more coarsely stays awake. A body that creeps
-        /// more slowly than this is stopped by its sleep.
-        speed: f32 = 6e-3, range: Range::NOT_NEGATIVE, unit: "mean rest edge lengths per second";
+        /// more slowly than this is stopped by its sleep. Edges are those of the surface, of a solid
+        /// those of its cells ([`incise_pbd_gpu::Solver::resolution`]).
+        speed: f32 = 6e-3, range: Range::NOT_NEGATIVE, unit: "edges per second";
         /// Time for which every vertex must be slower.
         ///
         /// A body thrown upwards is slow for a moment at the top of its flight; choose a longer
@@ -65,8 +66,8 @@ impl SleepParams {
 
     /// Returns the maximum displacement of a vertex at rest along an axis in a substep \[m\].
     ///
-    /// `edge` is the mean rest edge length \[m\], `bounds` the body's box \[m\] and `h` the
-    /// duration of the substep \[s\].
+    /// `edge` is the body's resolution \[m\], `bounds` its box \[m\] and `h` the duration of the
+    /// substep \[s\].
     pub(crate) fn limit(&self, edge: f64, bounds: &Aabb, h: f64) -> f64 {
         let corners = bounds.min.into_iter().chain(bounds.max);
         let largest = corners.map(f32::abs).fold(0.0, f32::max);
@@ -331,9 +332,10 @@ impl Sleep {
             return;
         }
         let Observation { frames, time, .. } = self.observations[i];
-        let (surface, edge) = (body.surface(), body.solver().mean_rest_length());
-        let slow = sleep.limit(edge, &surface.bounds(), time);
-        let limits = [slow, f64::max(slow, MAX_JITTER * edge)];
+        let (surface, solver) = (body.surface(), body.solver());
+        let slow = sleep.limit(solver.resolution(), &surface.bounds(), time);
+        let jitter = MAX_JITTER * solver.mean_rest_length();
+        let limits = [slow, f64::max(slow, jitter)];
         self.drifts[i].measure(surface.positions(), frames, limits);
     }
 

@@ -19,9 +19,8 @@ pub(crate) const CELLS_PER_BLOCK: usize = 8;
 
 /// Least stiffness of a part, and of each of its hourglass modes, relative to a full cell.
 ///
-/// Masses of nodes have the same floor. So the ratio of stiffness to mass, which a substep must
-/// resolve, grows by no more than its inverse in the smallest parts. Nor does it fall: nodes at
-/// which a sliver has hardly any volume would swing freely for seconds, and keep the body awake.
+/// Masses of nodes have a floor too, and nodes at which a sliver had hardly any stiffness would
+/// swing freely for seconds, and keep the body awake.
 pub(crate) const MIN_FRACTION: f64 = 0.03;
 
 /// A number of each cell of a block.

@@ -1,20 +1,21 @@
 //! Masses of nodes, and the inverse masses of vertices as forces on them see them.
 
 use super::Interior;
-use crate::constraints::cells::MIN_FRACTION;
 use crate::particles::inverse;
 use incise_mesh::{Surface, VertexId, index_u32};
+
+/// Least mass of a node, by the mean one of its body.
+///
+/// A light node turns a force into a large motion, and the step of a Gauss-Seidel sweep at its
+/// neighbors becomes as small. Mass ratios of ten converge like equal masses.
+const LEAST_MASS: f64 = 0.1;
 
 impl Interior {
     /// Distributes a total mass over the nodes by their shares of the volume, and updates what
     /// follows from it.
     ///
-    /// No node has less than [`MIN_FRACTION`] of a cell. The others become lighter by as much.
+    /// No node has less than [`LEAST_MASS`]. The others become lighter by as much.
     pub(crate) fn set_masses(&mut self, surface: &mut Surface, total: f64) {
-        let sum: f64 = self.lattice.node_volumes.iter().sum();
-        let volume = surface.rest_volume_of(surface.topology().triangles());
-        // Scanlines miss up to a percent of the volume.
-        self.volume_scale = if sum > 0.0 { volume / sum } else { 0.0 };
         self.share_mass(0..index_u32(self.lattice.node_positions.len()), total);
         let all = vec![true; self.positions.len()];
         self.update_weights_of(surface, &all);
@@ -23,14 +24,24 @@ impl Interior {
     /// Distributes a mass over some nodes.
     #[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
     pub(super) fn share_mass(&mut self, nodes: impl Iterator<Item = u32> + Clone, total: f64) {
-        let size = self.lattice.grid.cell_size();
-        let least = MIN_FRACTION * size * size * size;
+        for node in nodes.clone() {
+            self.mass[node as usize] = 0.0;
+        }
         let volumes = &self.lattice.node_volumes;
-        let share = |node: u32| (self.volume_scale * volumes[node as usize]).max(least);
-        let floored: f64 = nodes.clone().map(share).sum();
-        let density = total / floored;
+        // Free slots have neither volume nor mass.
+        let count = volumes.iter().filter(|&&volume| volume != 0.0).count();
+        let others: f64 = self.mass.iter().map(|&mass| f64::from(mass)).sum();
+        let least = LEAST_MASS * (others + total) / f64::from(index_u32(count.max(1)));
+        let volume = |node: u32| volumes[node as usize];
+        let sum: f64 = nodes.clone().map(volume).sum();
+        let density = if sum > 0.0 { total / sum } else { 0.0 };
+        let share = |node: u32| density * volume(node);
+        let scale = scale_above(nodes.clone().map(share), least);
+        let raised = |node: u32| (scale * share(node)).max(least);
+        // Fewer than 1 only where there is not enough for all.
+        let part = total / nodes.clone().map(raised).sum::<f64>();
         for node in nodes {
-            let mass = (density * share(node)) as f32;
+            let mass = (part * raised(node)) as f32;
             self.mass[node as usize] = mass;
             self.positions[node as usize][3] = inverse(mass);
         }
@@ -83,5 +94,49 @@ impl Interior {
     pub(crate) fn nodes_of(&self, slot: usize) -> Option<&[u32; 8]> {
         let copy = *self.lattice.vertex_copies.get(slot)?;
         self.lattice.nodes.get(copy as usize)
+    }
+}
+
+/// Returns the factor of masses that keeps their sum once each is raised to a least one.
+///
+/// It is 0 where there is not enough for all.
+fn scale_above(masses: impl Iterator<Item = f64> + Clone, least: f64) -> f64 {
+    let total: f64 = masses.clone().sum();
+    let mut scale = 1.0;
+    loop {
+        // Raised ones stay raised, so that the factor only falls.
+        let (mut free, mut raised) = (0.0, 0.0);
+        for mass in masses.clone() {
+            match scale * mass > least {
+                true => free += mass,
+                false => raised += least,
+            }
+        }
+        let next = if free > 0.0 {
+            (total - raised).max(0.0) / free
+        } else {
+            0.0
+        };
+        if next >= scale {
+            return scale;
+        }
+        scale = next;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::scale_above;
+
+    #[test]
+    fn raised_masses_keep_their_sum() {
+        let masses = [4.0, 2.0, 1.0, 0.55, 0.05, 0.0];
+        let scale = scale_above(masses.into_iter(), 0.5);
+        let sum: f64 = masses.iter().map(|v| (scale * v).max(0.5)).sum();
+        assert!((sum - 7.6).abs() < 1e-12, "{sum}");
+        // The fourth is raised only because the others have become lighter.
+        assert!(scale * 0.55 < 0.5);
+        assert_eq!(scale_above([1.0, 2.0].into_iter(), 2.0), 0.0);
+        assert_eq!(scale_above([1.0, 2.0].into_iter(), 0.5), 1.0);
     }
 }

@@ -292,6 +292,16 @@ impl Solver {
         sum / f64::from(count.max(1))
     }
 
+    /// Returns the length that the motion of the body resolves \[m\]: the mean rest length of its
+    /// edges, of a [solid](crate::Solid) the edge of a cell.
+    #[must_use]
+    pub fn resolution(&self) -> f64 {
+        match &self.constraints.interior {
+            Some(interior) => interior.lattice.grid.cell_size(),
+            None => self.mean_rest_length(),
+        }
+    }
+
     /// Checks that a surface has the vertex slots of the solver.
     pub(crate) fn check_surface(&self, surface: &Surface) -> Result<(), ConstraintError> {
         let (surface, solver) = (surface.positions().len(), self.particles.len());

@@ -375,7 +375,7 @@ fn is_at_rest(
     let (Some(sleep), Some((displacement, bounds))) = (params.sleep, gpu.motion(handle)?) else {
         return Ok(false);
     };
-    let edge = body.solver().mean_rest_length();
+    let edge = body.solver().resolution();
     let limit = sleep.limit(edge, &bounds, body.solver().substep().into());
     Ok(f64::from(displacement) <= limit)
 }

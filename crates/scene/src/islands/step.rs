@@ -171,7 +171,7 @@ impl Scene {
         if let Some(sleep) = &self.params.sleep
             && let Some(displacement) = self.sleep.observe(i, done.max_substep_displacement)
         {
-            let edge = body.solver().mean_rest_length();
+            let edge = body.solver().resolution();
             let h = body.solver().substep();
             let limit = sleep.limit(edge, &body.surface().bounds(), h.into());
             self.sleep.set_at_rest(i, f64::from(displacement) <= limit);
