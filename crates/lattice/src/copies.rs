@@ -62,7 +62,7 @@ impl Lattice {
         own.dedup();
         for part in own {
             let cell = parts.get(part).cell;
-            let copy = match self.state.free_copies.pop_first() {
+            let copy = match self.state.free_copies.pop() {
                 Some(copy) => copy,
                 None => {
                     self.cells.push(NONE);

@@ -7,7 +7,7 @@ use crate::grid::Grid;
 use crate::params::LatticeParams;
 use crate::parts::Parts;
 use incise_mesh::{Aabb, Surface, Vec3};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Maximum number of cells along an axis.
 ///
@@ -74,9 +74,10 @@ pub(crate) struct State {
     /// By node, the number of copies with it.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) node_users: Vec<u32>,
-    #[cfg_attr(feature = "serde", serde(skip))]
-    pub(crate) free_copies: BTreeSet<u32>,
-    pub(crate) free_nodes: BTreeSet<u32>,
+    /// Unused numbers, the next one last. An undo frees and takes them in the reverse order of its
+    /// edit, so that numbers come back.
+    pub(crate) free_copies: Vec<u32>,
+    pub(crate) free_nodes: Vec<u32>,
 }
 
 /// Moments of the part of a body in a copy.
@@ -121,8 +122,8 @@ impl Lattice {
                 divided: BTreeMap::new(),
                 corner_volumes: Vec::new(),
                 node_users: Vec::new(),
-                free_copies: BTreeSet::new(),
-                free_nodes: BTreeSet::new(),
+                free_copies: Vec::new(),
+                free_nodes: Vec::new(),
             },
         };
         lattice.add_all(surface);

@@ -78,10 +78,13 @@ impl Lattice {
         }
         let copies = (0..).zip(&self.cells);
         let free = copies.filter(|own| *own.1 == NONE).map(|own| own.0);
-        state.free_copies = free.collect();
-        let mut free = state.free_copies.iter();
-        if free.any(|&copy| self.nodes[copy as usize] != [NONE; 8]) {
-            return invalid("nodes of free copies");
+        if !are_same(free.clone(), &state.free_copies) {
+            return invalid("free copies");
+        }
+        for copy in free {
+            if self.nodes[copy as usize] != [NONE; 8] {
+                return invalid("nodes of free copies");
+            }
         }
         Ok(())
     }
@@ -132,7 +135,7 @@ impl Lattice {
         }
         let users = (0..).zip(&state.node_users);
         let free = users.filter(|own| *own.1 == 0).map(|own| own.0);
-        if !free.eq(state.free_nodes.iter().copied()) {
+        if !are_same(free, &state.free_nodes) {
             return invalid("free nodes");
         }
         let mut numbers = self
@@ -240,4 +243,11 @@ fn is_valid_grid(grid: &Grid) -> bool {
 fn is_used(surface: &Surface, v: VertexId) -> bool {
     let topology = surface.topology();
     v.index() < topology.vertex_slots() && !topology.outgoing(v).is_null()
+}
+
+/// Returns whether a list has the given ascending numbers, in any order.
+fn are_same(numbers: impl Iterator<Item = u32>, list: &[u32]) -> bool {
+    let mut sorted = list.to_vec();
+    sorted.sort_unstable();
+    numbers.eq(sorted)
 }

@@ -32,17 +32,15 @@ struct NewCorner {
 impl Lattice {
     /// Updates the nodes at the corners of cells with other copies than before, and their volumes.
     ///
-    /// Copies that share a node keep it unless they had several before. Of copies that no longer
-    /// share one, the first ones keep it.
+    /// Of copies that no longer share a node, those with the first one that had it keep it. Copies
+    /// that share a node anew take that of the first one. So an undo brings old numbers back.
     pub(crate) fn update_nodes(&mut self, work: &Work, change: &mut LatticeChange) {
         let mut own = Vec::new();
         let mut changed = Vec::new();
-        let mut kept = Vec::new();
         let [nx, ny, _] = self.grid.counts().map(|count| count + 1);
         for index in self.corners_to_update(work) {
             let corner = [index % nx, index / nx % ny, index / nx / ny];
             self.collect_copies(corner, &mut own);
-            kept.clear();
             for first in 0..own.len() {
                 if own[first].group != first {
                     continue;
@@ -51,19 +49,17 @@ impl Lattice {
                 let volumes =
                     group().map(|own| self.state.corner_volumes[own.copy as usize][own.corner]);
                 let volume: f64 = volumes.sum();
-                let mut old = group().map(|own| own.old_node).filter(|&node| node != NONE);
-                let old_node = old.next().unwrap_or(NONE);
-                let is_kept = old_node != NONE
-                    && old.all(|node| node == old_node)
-                    && !kept.contains(&old_node);
-                let node = if is_kept {
-                    kept.push(old_node);
-                    old_node
-                } else {
+                let is_first = |node: &u32| {
+                    let holder = own.iter().find(|own| own.old_node == *node);
+                    *node != NONE && holder.is_some_and(|holder| holder.group == first)
+                };
+                let kept = group().map(|own| own.old_node).find(is_first);
+                let node = kept.unwrap_or_else(|| {
                     let members: Vec<CornerCopy> = group().copied().collect();
                     self.add_node(corner, &members, change)
-                };
-                if is_kept && self.node_volumes[node as usize].to_bits() != volume.to_bits() {
+                });
+                if kept.is_some() && self.node_volumes[node as usize].to_bits() != volume.to_bits()
+                {
                     change.nodes_changed.push(node);
                 }
                 self.node_volumes[node as usize] = volume;
@@ -159,7 +155,7 @@ impl Lattice {
         change: &mut LatticeChange,
     ) -> u32 {
         let position = self.grid.corner(at, 0).into();
-        let node = match self.state.free_nodes.pop_first() {
+        let node = match self.state.free_nodes.pop() {
             Some(node) => {
                 self.node_positions[node as usize] = position;
                 node
@@ -262,17 +258,20 @@ impl Lattice {
             self.nodes[removed.copy as usize] = [NONE; 8];
             self.moments[removed.copy as usize] = Sums::EMPTY.moments();
             self.state.corner_volumes[removed.copy as usize] = [0.0; 8];
-            self.state.free_copies.insert(removed.copy);
         }
+        change.nodes_removed.sort_unstable();
         for &node in &change.nodes_removed {
             self.node_positions[node as usize] = [0.0; 3];
             self.node_volumes[node as usize] = 0.0;
-            self.state.free_nodes.insert(node);
         }
+        // The lowest number is the next one.
+        let copies = change.copies_removed.iter().rev().map(|old| old.copy);
+        self.state.free_copies.extend(copies);
+        let nodes = change.nodes_removed.iter().rev();
+        self.state.free_nodes.extend(nodes);
         // The first entry of a copy holds its nodes and moments before the change.
         change.copies_changed.sort_by_key(|changed| changed.copy);
         change.copies_changed.dedup_by_key(|changed| changed.copy);
-        change.nodes_removed.sort_unstable();
         change.nodes_changed.sort_unstable();
     }
 }

@@ -29,7 +29,7 @@ pub(crate) struct FollowState {
     pub(crate) log: ChangeLog,
     undo: UndoStack,
     /// Whether the last edit was an undo of a body that had moved since the undone edit.
-    is_late_undo: bool,
+    pub(crate) is_late_undo: bool,
     dropped_pins: DroppedPins,
     /// First vertices of the interior springs that the last edit removed.
     lost_interior_springs: Vec<VertexId>,

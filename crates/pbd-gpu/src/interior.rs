@@ -7,10 +7,12 @@ mod adopt;
 mod embed;
 pub(crate) mod energy;
 mod follow;
+mod join;
 #[cfg(feature = "serde")]
 mod load;
 mod masses;
 mod rest;
+mod undo;
 mod validate;
 
 use crate::constraints::cells::{CellSet, CellState};
@@ -22,6 +24,8 @@ use crate::particles::Pin;
 use follow::EditScratch;
 use incise_lattice::{Lattice, LatticeParams};
 use incise_mesh::{Surface, VertexId};
+use undo::EditRecords;
+pub use undo::SolidState;
 
 /// Maximum number of parts of a substep for stiffness.
 const MAX_PARTS: f64 = 8.0;
@@ -57,6 +61,7 @@ pub(crate) struct Interior {
     area_density: f64,
     /// Mean rest length of the edges of the surface at creation \[m\].
     pub(crate) mean_rest_length: f64,
+    edits: EditRecords,
     #[cfg_attr(feature = "serde", serde(skip))]
     scratch: EditScratch,
     /// Coefficients of the last frame.
@@ -104,6 +109,7 @@ impl Interior {
             near: Vec::new(),
             area_density: mass / surface.lumped_rest_areas().iter().sum::<f64>(),
             mean_rest_length: surface.mean_rest_edge_length(),
+            edits: EditRecords::default(),
             scratch: EditScratch::default(),
             constants: CellConstants::NONE,
             mean_stiff: 0.0,

@@ -31,6 +31,7 @@ pub use gpu::{
     AdapterKind, AdapterLimits, AdapterRequest, AdapterSummary, Context, GpuBackend, GpuBody,
     GpuError, GpuMemory, GpuStats, Schedule, adapters,
 };
+pub use interior::SolidState;
 pub use material::{Density, InteriorSprings, Material, Solid, Stiffness, Volume};
 pub use particles::Pin;
 pub use patches::{PATCH_VERTICES, PatchParams};

@@ -113,7 +113,7 @@ impl Body {
         (&mut self.solver, &mut self.surface)
     }
 
-    /// Validates the edits since the last call, if there were any.
+    /// Validates the edits since the last call, if there were any, and lets a solid follow them.
     ///
     /// # Errors
     /// [`SceneError::TopologyEdited`] and [`SceneError::PositionNotFinite`]; the next call
@@ -129,6 +129,7 @@ impl Body {
         if let Some(vertex) = self.surface.topology().vertices().find(|v| !is_finite(v)) {
             return Err(SceneError::PositionNotFinite { body: id, vertex });
         }
+        self.solver.adopt_edits(&mut self.surface);
         self.is_edited = false;
         Ok(())
     }

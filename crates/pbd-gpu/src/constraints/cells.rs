@@ -55,6 +55,7 @@ pub(crate) struct CellBlock {
 
 /// The state of a cell, which lasts from substep to substep.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct CellState {
     pub(crate) rotation: [f32; 4],
     pub(crate) stress: [f32; 6],
@@ -255,6 +256,13 @@ impl CellSet {
         let (block, lane) = at(self.batch_mut(color), index);
         let state = state(block, lane).turned(by);
         set_state(block, lane, &state);
+    }
+
+    /// Sets the state of a copy's cell.
+    pub(crate) fn set_state(&mut self, copy: u32, state: &CellState) {
+        let Slot { color, index } = self.slots[copy as usize];
+        let (block, lane) = at(self.batch_mut(color), index);
+        set_state(block, lane, state);
     }
 
     /// Returns the state of a copy's cell.

@@ -43,14 +43,30 @@ impl Interior {
     /// Parts that an edit divides move on as they did: new nodes get position and velocity from the
     /// copies that held their parts, cells their rotation and their share of the forces. The nodes
     /// of changed cells keep their mass and their momenta.
-    pub(crate) fn follow(&mut self, surface: &mut Surface, delta: &TopologyDelta) {
+    ///
+    /// An undo restores the bits before the edit if nothing has moved since. Otherwise pieces that
+    /// it joins move together. Returns whether they did.
+    pub(crate) fn follow(
+        &mut self,
+        surface: &mut Surface,
+        velocities: &mut [[f32; 4]],
+        delta: &TopologyDelta,
+    ) -> bool {
+        let is_undo = !delta.removed_positions.is_empty();
+        let is_current = self.edits.is_current(self.checksum());
+        let undone = self.edits.pop_if(is_undo && is_current);
+        let is_joined = is_undo && !is_current && self.join_pieces(surface, delta);
         let mut scratch = std::mem::take(&mut self.scratch);
         let change = &mut scratch.change;
         self.lattice.follow(surface, delta, change);
         self.inverse_masses.resize(surface.positions().len(), 0.0);
         if change.is_empty() {
             self.scratch = scratch;
-            return;
+            return is_joined;
+        }
+        let undone = undone.filter(|record| self.has_all_of(record));
+        if !is_undo {
+            self.edits.push(self.record_of(change));
         }
         let center = self.center_of(change);
         let leaving = change.nodes_removed.iter().chain(&change.nodes_changed);
@@ -65,16 +81,32 @@ impl Interior {
         let staying = change.nodes_changed.iter().copied();
         let added = change.nodes_added.iter().map(|added| added.node);
         let nodes = staying.chain(added);
-        self.share_mass(nodes.clone(), before.mass);
-        self.restore_momenta(nodes.clone(), &before, center);
+        match &undone {
+            Some(record) => self.restore(record),
+            None => {
+                self.share_mass(nodes.clone(), before.mass);
+                self.restore_momenta(nodes.clone(), &before, center);
+            }
+        }
         scratch.is_changed.clear();
         scratch.is_changed.resize(self.positions.len(), false);
         for node in nodes.chain(self.nodes_of_cells(change)) {
             scratch.is_changed[node as usize] = true;
         }
         self.update_weights_of(surface, &scratch.is_changed);
-        self.embed_changed(surface, change);
+        if let Some(record) = &undone {
+            // Their sums depend on the order of cells, which an undo changes.
+            self.restore_forces(record);
+        }
+        match is_joined {
+            true => self.embed(surface, velocities),
+            false => self.embed_changed(surface, velocities, change, &scratch.is_changed),
+        }
+        if !is_undo {
+            self.edits.finish(self.checksum());
+        }
         self.scratch = scratch;
+        is_joined
     }
 
     /// Returns the nodes of removed, changed and added cells.
@@ -236,12 +268,24 @@ impl Interior {
         }
     }
 
-    /// Writes the positions and velocities of vertices with other weights.
-    fn embed_changed(&mut self, surface: &mut Surface, change: &LatticeChange) {
-        for v in &change.vertices_changed {
-            if let Some([x, y, z]) = self.position(v.index()) {
-                let at = &mut surface.positions_mut()[v.index()];
+    /// Writes the positions and velocities of vertices with other weights or changed nodes.
+    fn embed_changed(
+        &mut self,
+        surface: &mut Surface,
+        velocities: &mut [[f32; 4]],
+        change: &LatticeChange,
+        is_changed: &[bool],
+    ) {
+        let with_weights = change.vertices_changed.iter().map(|v| v.index());
+        let with_nodes = self.slots_of(is_changed).into_iter();
+        for slot in with_nodes.map(|slot| slot as usize).chain(with_weights) {
+            if let (Some([x, y, z]), Some([u, v, w])) = (self.position(slot), self.velocity(slot)) {
+                let at = &mut surface.positions_mut()[slot];
                 *at = [x, y, z, at[3]];
+                // Those that the caller has set are for the next step.
+                if !self.has_new_velocities {
+                    velocities[slot] = [u, v, w, 0.0];
+                }
             }
         }
         self.note_embedded(surface);

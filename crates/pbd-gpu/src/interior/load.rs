@@ -37,6 +37,9 @@ impl Interior {
         if !self.constants.is_valid() {
             return Err(invalid("coefficients of cells"));
         }
+        if !self.edits.is_valid() {
+            return Err(invalid("states before edits"));
+        }
         let mut pins = self.last_pins.iter().flat_map(|pin| pin.target);
         let ascending = self.last_pins.is_sorted_by(|a, b| a.vertex < b.vertex);
         if !ascending || !pins.all(f32::is_finite) {

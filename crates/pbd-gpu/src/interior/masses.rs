@@ -55,22 +55,27 @@ impl Interior {
         let of_node = |node: VertexId| is_changed[node.index()];
         self.mean_stiff = self.cells.set_weights(inverse_mass, of_node, size);
         (self.cells).sum_forces(&mut self.node_forces, &self.constants, of_node);
+        self.inverse_masses.resize(surface.positions().len(), 0.0);
+        for slot in self.slots_of(is_changed) {
+            let inverse_mass = self.point_inverse_mass(slot as usize);
+            self.inverse_masses[slot as usize] = inverse_mass;
+            surface.positions_mut()[slot as usize][3] = inverse_mass;
+        }
+    }
+
+    /// Returns the vertex slots with a changed node, and the unused ones.
+    pub(super) fn slots_of(&self, is_changed: &[bool]) -> Vec<u32> {
         let of_copy = |nodes: &[u32; 8]| {
             let mut nodes = nodes.iter();
             nodes.any(|&node| is_changed.get(node as usize) == Some(&true))
         };
         let copies: Vec<bool> = self.lattice.nodes.iter().map(of_copy).collect();
-        let slots = surface.positions().len();
-        self.inverse_masses.resize(slots, 0.0);
-        for slot in 0..slots {
-            let copy = self.lattice.vertex_copies.get(slot);
-            let changed = copy.and_then(|&copy| copies.get(copy as usize));
-            if changed.copied().unwrap_or(true) {
-                let inverse_mass = self.point_inverse_mass(slot);
-                self.inverse_masses[slot] = inverse_mass;
-                surface.positions_mut()[slot][3] = inverse_mass;
-            }
-        }
+        let slots = (0..).zip(&self.lattice.vertex_copies);
+        let is_changed = |copy: u32| copies.get(copy as usize).copied().unwrap_or(true);
+        slots
+            .filter(|&(_, &copy)| is_changed(copy))
+            .map(|(slot, _)| slot)
+            .collect()
     }
 
     /// Returns the inverse mass of a vertex as a force on it sees it, `(sum of b sqrt(w))^2`.

@@ -65,12 +65,25 @@ impl Material {
 
     /// Returns a soft body for a closed surface, and cloth for one with a boundary, which has no
     /// inside.
+    ///
+    /// Its own weight strains a body in proportion to its size. So one of more than a meter, such
+    /// as a model in centimeters, is stiffer than [`Self::soft_body`] by its longest side in
+    /// meters.
     #[must_use]
     pub fn for_surface(surface: &Surface) -> Self {
-        match surface.topology().is_closed() {
-            true => Self::soft_body(),
-            false => Self::cloth(),
+        if !surface.topology().is_closed() {
+            return Self::cloth();
         }
+        let bounds = surface.bounds();
+        let side = |k: usize| bounds.max[k] - bounds.min[k];
+        let longest = side(0).max(side(1)).max(side(2));
+        let mut material = Self::soft_body();
+        if let Some(solid) = &mut material.solid
+            && longest.is_finite()
+        {
+            solid.young_modulus *= longest.max(1.0);
+        }
+        material
     }
 
     /// Returns a stiff shell of 1 kg/m^2 that keeps its curvature.

@@ -93,7 +93,8 @@ impl Solver {
         match &mut self.constraints.interior {
             Some(interior) => {
                 interior.set_rest_positions(surface, delta);
-                interior.follow(surface, delta);
+                let velocities = &mut self.particles.velocities;
+                self.follow.is_late_undo = interior.follow(surface, velocities, delta);
             }
             None => (self.follow).write_inverse_masses(&self.particles, surface),
         }

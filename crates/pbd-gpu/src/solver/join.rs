@@ -23,7 +23,8 @@ impl Solver {
     /// Pieces that have moved since the undone edit may be far apart; a step would turn that
     /// distance into velocity. The center of mass stays, except where a collider is in the way.
     /// Returns false, and moves nothing, if the last edit was no undo or nothing had moved before
-    /// it.
+    /// it. Pieces of a solid move together when the solver follows the undo, so that nothing is
+    /// left to do.
     ///
     /// # Errors
     /// As [`Solver::step`].
@@ -36,6 +37,9 @@ impl Solver {
     ) -> Result<bool, StepError> {
         if !self.follow.is_late_undo() {
             return Ok(false);
+        }
+        if self.is_solid() {
+            return Ok(true);
         }
         params.check(dt)?;
         self.check_step(surface)?;

@@ -3,6 +3,7 @@
 use super::Solver;
 #[cfg(feature = "gpu")]
 use crate::interior::Interior;
+use crate::interior::SolidState;
 use incise_lattice::Lattice;
 use incise_mesh::Surface;
 
@@ -34,6 +35,39 @@ impl Solver {
         match (&self.constraints.interior, &self.material.solid) {
             (Some(interior), Some(solid)) => interior.elastic_energy(solid),
             _ => 0.0,
+        }
+    }
+
+    /// Returns the positions, velocities and forces of the inside of a solid; `None` for other
+    /// bodies.
+    #[must_use]
+    pub fn solid_state(&self) -> Option<SolidState> {
+        let interior = self.constraints.interior.as_ref()?;
+        Some(interior.state())
+    }
+
+    /// Restores a state of the inside of a solid, and places its vertices.
+    ///
+    /// Returns false, and changes nothing, if the body has other cells than those of the state: it
+    /// was cut since, and the cut was not undone.
+    pub fn set_solid_state(&mut self, surface: &mut Surface, state: &SolidState) -> bool {
+        let Some(interior) = &mut self.constraints.interior else {
+            return false;
+        };
+        let velocities = &mut self.particles.velocities;
+        let is_set = interior.set_state(surface, velocities, state);
+        self.mark_all_changed();
+        is_set
+    }
+
+    /// Moves the nodes of a solid after the caller has set positions or velocities of vertices, and
+    /// embeds the vertices in them.
+    ///
+    /// A step does so by itself. Call it before an edit of the surface, which reads the nodes.
+    pub fn adopt_edits(&mut self, surface: &mut Surface) {
+        if self.adopt_motion(surface) {
+            self.embed(surface);
+            self.mark_all_changed();
         }
     }
 

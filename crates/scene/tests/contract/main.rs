@@ -24,6 +24,7 @@ mod sleep;
 mod sleep_long;
 mod slices;
 mod solid_incisions;
+mod solid_undo;
 mod solids;
 mod undo_in_motion;
 mod undo_stack;

@@ -26,13 +26,12 @@ fn cut_in_flight(surface: Surface) -> (Scene, BodyId, Undo) {
     (scene, id, undo)
 }
 
-/// Returns kinetic and potential energy \[J\].
+/// Returns kinetic, potential and elastic energy \[J\].
 fn energy(scene: &Scene, id: BodyId) -> f64 {
-    let body = scene.body(id).unwrap();
-    let heights = body.surface().positions().iter();
-    let moments = heights.zip(body.solver().masses());
-    let moment: f64 = moments.map(|(p, m)| f64::from(p[1]) * f64::from(*m)).sum();
-    body.solver().kinetic_energy() + G * moment
+    let solver = scene.body(id).unwrap().solver();
+    let nodes = solver.nodes().iter().filter(|x| x[3] > 0.0);
+    let moment: f64 = nodes.map(|x| f64::from(x[1]) / f64::from(x[3])).sum();
+    solver.kinetic_energy() + solver.elastic_energy() + G * moment
 }
 
 /// Regression: parts that had moved apart snapped together with 170 J.
@@ -45,8 +44,8 @@ fn an_undo_in_motion_adds_no_energy() {
         let size = extents.fold(0.0, f64::max);
         for frames in [1, 10, 30, 60] {
             let (mut scene, id, undo) = cut_in_flight(build_model(model));
-            let whole = scene.body(id).unwrap().solver().volumes().pieces();
-            let whole: f64 = whole.iter().map(|piece| f64::from(piece.rest())).sum();
+            let surface = scene.body(id).unwrap().surface();
+            let whole = surface.rest_volume_of(surface.topology().triangles());
             for _ in 0..frames {
                 scene.step().unwrap();
             }
@@ -63,7 +62,7 @@ fn an_undo_in_motion_adds_no_energy() {
             body.solver().validate(body.surface()).unwrap();
             let kept = body.surface().volume() / whole;
             let name = model.name();
-            assert!((kept - 1.0).abs() < 0.01, "{name}: {kept} of the volume");
+            assert!((kept - 1.0).abs() < 0.05, "{name}: {kept} of the volume");
             let weight = body.solver().total_mass() * G;
             assert!(gain < 0.01 * weight, "{name}, {frames} frames: {gain} J");
             // The ground lifts the center of a body whose parts lay on it.

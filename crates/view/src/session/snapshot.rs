@@ -2,7 +2,7 @@
 
 use super::Session;
 use incise_mesh::VertexId;
-use incise_pbd_gpu::Pin;
+use incise_pbd_gpu::{Pin, SolidState};
 use incise_scene::SceneError;
 
 /// Positions \[m\] and velocities [m/s] of all vertices, shape [vertex slots].
@@ -10,6 +10,8 @@ use incise_scene::SceneError;
 pub(super) struct Snapshot {
     positions: Vec<[f32; 3]>,
     velocities: Vec<[f32; 3]>,
+    /// The inside of a solid.
+    solid: Option<SolidState>,
 }
 
 impl Session {
@@ -21,6 +23,7 @@ impl Session {
         Ok(Snapshot {
             positions: body.surface().positions().iter().map(first).collect(),
             velocities: body.solver().velocities().iter().map(first).collect(),
+            solid: body.solver().solid_state(),
         })
     }
 
@@ -31,6 +34,9 @@ impl Session {
         for v in vertices {
             surface.positions_mut()[v.index()][..3].copy_from_slice(&snapshot.positions[v.index()]);
             solver.set_velocity(v, snapshot.velocities[v.index()])?;
+        }
+        if let Some(solid) = &snapshot.solid {
+            solver.set_solid_state(surface, solid);
         }
         let pins: Vec<Pin> = solver.pins().to_vec();
         for pin in pins {

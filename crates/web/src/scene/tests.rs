@@ -95,7 +95,9 @@ fn a_dragged_vertex_follows_and_is_released() {
     scene.step().unwrap();
     let moved = scene.mesh(body).unwrap();
     let moved = moved.surface().positions()[vertex as usize];
-    assert_eq!(moved, [x, y + 0.02, z, 0.0]);
+    // The nodes of a solid carry the vertex, up to rounding.
+    let off = |k: usize| (moved[k] - [x, y + 0.02, z][k]).abs();
+    assert!((0..3).all(|k| off(k) < 1e-6), "{moved:?}");
     scene.release().unwrap();
     scene.step().unwrap();
     let free = scene.mesh(body).unwrap();
