@@ -132,8 +132,12 @@ impl Lattice {
             let copy = parts.get(old).old_copy;
             (self.beside(work, own)).any(|beside| shares_nodes(copy, beside.1))
         });
+        // Parts that a neighbor carried have no copy in the cell.
+        let size = |&&old: &&u32| match parts.carries_itself(old) {
+            true => parts.get(old).sums.length(),
+            false => 0.0,
+        };
         // The first one of equal volume.
-        let size = |&&old: &&u32| parts.get(old).sums.length();
         let largest = met.min_by(|a, b| size(b).total_cmp(&size(a)));
         largest.map(|&old| parts.get(old).old_copy)
     }

@@ -53,6 +53,13 @@ pub(crate) fn lumped_area(surface: &Surface, v: VertexId) -> f64 {
     sum
 }
 
+/// Returns the mass \[kg\] of a vertex of a solid by its share of the area, given mass per area
+/// [kg/m^2].
+#[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
+pub(crate) fn share_by_area(surface: &Surface, v: VertexId, density: f64) -> f32 {
+    (density * lumped_area(surface, v)) as f32
+}
+
 /// Returns the rest volume [m^3].
 fn rest_volume(surface: &Surface) -> f64 {
     let topology = surface.topology();

@@ -19,7 +19,7 @@ use crate::follow::FollowState;
 use crate::interior::Interior;
 use crate::kernels::elastic::ElasticSets;
 use crate::kernels::integrate::{are_finite, first_non_finite};
-use crate::mass::masses;
+use crate::mass::{masses, share_by_area};
 use crate::material::Material;
 use crate::particles::{Particles, inverse};
 use crate::patches::PatchParams;
@@ -99,6 +99,10 @@ impl Solver {
                 let mass = particles.mass.iter().map(|&m| f64::from(m)).sum();
                 let velocities = &mut particles.velocities;
                 let interior = Interior::new(surface, velocities, solid, mass)?;
+                // As after an edit, so that an undo restores them.
+                for v in surface.topology().vertices() {
+                    particles.mass[v.index()] = share_by_area(surface, v, interior.area_density());
+                }
                 constraints.interior = Some(Box::new(interior));
                 constraints
             }

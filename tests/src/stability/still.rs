@@ -15,7 +15,7 @@ use incise_pbd_gpu::{Collider, Density, InteriorSprings, Material, Stiffness, Vo
 use incise_scene::{BodyId, Scene, SceneParams};
 use incise_test_support::random::Random;
 
-pub(super) const CASES: [Case; 2] = [
+pub(super) const CASES: [Case; 3] = [
     Case {
         id: "still",
         stress: "40 meshes at rest, spinning, hanging and dropped, with 8 materials, 5 sizes, \
@@ -31,14 +31,23 @@ pub(super) const CASES: [Case; 2] = [
     },
     Case {
         id: "primitive",
-        stress: "cylinders, a rod, a ball, with every preset, at rest, dropped, cut and dropped",
-        invariants: &[
-            ("rise above the start [sizes]", 1e-3),
-            ("speed after 12 s, or when they fall asleep [sizes/s]", 1e-3),
-            ("time until they sleep [s]", 10.0),
-        ],
-        run: primitives,
+        stress: "cylinders, a rod, a ball, with every preset of surfaces, at rest, dropped, cut \
+                 and dropped",
+        invariants: PRIMITIVE,
+        run: |runner| primitives(runner, false),
     },
+    Case {
+        id: "primitive solids",
+        stress: "the same with every preset of solids",
+        invariants: PRIMITIVE,
+        run: |runner| primitives(runner, true),
+    },
+];
+
+const PRIMITIVE: &[(&str, f64)] = &[
+    ("rise above the start [sizes]", 1e-3),
+    ("speed after 12 s, or when they fall asleep [sizes/s]", 1e-3),
+    ("time until they sleep [s]", 10.0),
 ];
 
 const GRAVITY: f32 = 9.81;
@@ -392,7 +401,7 @@ impl Energy {
 }
 
 /// Runs cylinders and rods until they sleep, at most for 12 s.
-fn primitives(runner: &Runner) -> Vec<Run> {
+fn primitives(runner: &Runner, are_solid: bool) -> Vec<Run> {
     let ways = ["rest", "drop", "cut"];
     let meshes = [
         (
@@ -411,7 +420,12 @@ fn primitives(runner: &Runner) -> Vec<Run> {
     ];
     let mut all = Vec::new();
     for (name, surface, ways) in &meshes {
-        for preset in Material::PRESETS {
+        let is_solid =
+            |preset: &str| Material::preset(preset).is_some_and(|own| own.solid.is_some());
+        for preset in Material::PRESETS
+            .into_iter()
+            .filter(|preset| is_solid(preset) == are_solid)
+        {
             for &way in *ways {
                 all.push((format!("{name}, {preset}, {way}"), surface, preset, way));
             }

@@ -7,11 +7,16 @@ use incise_tests::stability::{Case, Runner, Verdict, cases};
 /// Verdicts that fail today: case, stress and invariant, the last two by their beginnings.
 ///
 /// One that is mended must leave the list.
-const OPEN: [[&str; 3]; 21] = [
+const OPEN: [[&str; 3]; 23] = [
     // Crumpled limp shells of long thin triangles jump, pieces without a volume creep, and balls
     // and halves of round bodies rock on.
     ["primitive", "", "speed"],
     ["primitive", "", "time"],
+    // A cylinder of liver has no vertex in the middle of its base, which the ground does not hold:
+    // cells turn inside out. Soft halves rise as they swing.
+    ["primitive solids", "", "rise"],
+    ["primitive solids", "", "speed"],
+    ["primitive solids", "", "time"],
     // Ten iterations do not carry a million times the mass of a vertex on springs.
     ["T3", "load on a swinging", "limits"],
     // The converged substep of XPBD depends on the order of its constraints.
@@ -50,8 +55,6 @@ const OPEN: [[&str; 3]; 21] = [
     ["solids", "", "distance"],
     // Contacts part slices that coincide at birth, by 2.1 % of a fall of a meter.
     ["solids", "", "energy"],
-    // The floor, 3 % of a cell, is up to 20 times below the mean.
-    ["solids", "", "mean mass"],
     // Balls roll, and bodies of 0.1 MPa swing on by their relaxation time of 5 ms.
     ["solids", "", "time"],
 ];
@@ -106,6 +109,7 @@ macro_rules! stress_tests {
 stress_tests! {
     short:
     primitives: "primitive"
+    solid_primitives: "primitive solids"
     loads: "T3"
     scales: "T8"
     sleepers: "T12"

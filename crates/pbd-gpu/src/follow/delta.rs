@@ -7,7 +7,7 @@ use crate::constraints::Constraints;
 use crate::constraints::edges::{EdgeLists, EdgeTable, Sets};
 use crate::error::ConstraintError;
 use crate::follow::{FollowState, Scratch};
-use crate::mass::lumped_area;
+use crate::mass::share_by_area;
 use crate::particles::Particles;
 use incise_mesh::{Surface, TopologyDelta, VertexId};
 use std::num::NonZeroUsize;
@@ -113,15 +113,12 @@ impl FollowState {
         (before..slots).for_each(|i| self.log.mark_vertex(VertexId::from_index(i)));
     }
 
-    /// Updates velocities, pins and masses of the vertices of a solid after a checked edit, given
-    /// its mass per area [kg/m^2].
-    #[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
+    /// Updates velocities and pins of the vertices of a solid after a checked edit.
     pub(crate) fn apply_solid_delta(
         &mut self,
         particles: &mut Particles,
         surface: &Surface,
         delta: &TopologyDelta,
-        density: f64,
     ) {
         // The upload to a GPU has no part smaller than the inside of a solid.
         self.log.mark_all();
@@ -145,10 +142,15 @@ impl FollowState {
         }
         changed.sort_unstable();
         changed.dedup();
-        for &v in &*changed {
-            particles.mass[v.index()] = (density * lumped_area(surface, v)) as f32;
-        }
         particles.resize(slots);
+    }
+
+    /// Updates the masses of the vertices of a solid after [`Self::apply_solid_delta`], once new
+    /// vertices have rest positions, given its mass per area [kg/m^2].
+    pub(crate) fn share_masses(&self, particles: &mut Particles, surface: &Surface, density: f64) {
+        for &v in &self.scratch.changed {
+            particles.mass[v.index()] = share_by_area(surface, v, density);
+        }
     }
 
     /// Writes the inverse masses of the vertices that the last edit affected.

@@ -213,6 +213,10 @@ impl Interior {
         let nodes = self.positions.iter().zip(&self.velocities);
         let mut sum = 0_u64;
         for (i, (x, v)) in (0_u64..).zip(nodes) {
+            // Unused numbers may be added and stay.
+            if x[3] == 0.0 {
+                continue;
+            }
             for (k, c) in (0_u64..).zip(x.iter().chain(v)) {
                 let word = u64::from(c.to_bits()) << 32 | (i << 3 | k) & 0xffff_ffff;
                 let mixed = word.wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -65,10 +65,9 @@ impl Solver {
     ) -> Result<(), ConstraintError> {
         let (particles, constraints) = (&mut self.particles, &mut self.constraints);
         match &constraints.interior {
-            Some(interior) => {
+            Some(_) => {
                 delta::check_added(surface, delta)?;
-                let density = interior.area_density();
-                (self.follow).apply_solid_delta(particles, surface, delta, density);
+                (self.follow).apply_solid_delta(particles, surface, delta);
                 constraints.resize_vertices(surface.topology().vertex_slots());
             }
             None => {
@@ -93,6 +92,8 @@ impl Solver {
         match &mut self.constraints.interior {
             Some(interior) => {
                 interior.set_rest_positions(surface, delta);
+                let density = interior.area_density();
+                (self.follow).share_masses(&mut self.particles, surface, density);
                 let velocities = &mut self.particles.velocities;
                 self.follow.is_late_undo = interior.follow(surface, velocities, delta);
             }

@@ -6,8 +6,12 @@ use incise_mesh::{Surface, icosphere};
 use incise_scene::{Scene, SceneParams};
 
 fn set_up() -> (Session, OrbitCamera) {
+    set_up_with(Settings::default())
+}
+
+fn set_up_with(settings: Settings) -> (Session, OrbitCamera) {
     let scene = Scene::new(SceneParams::default());
-    let session = Session::new(icosphere(2, 0.5), scene).unwrap();
+    let session = Session::with_settings(icosphere(2, 0.5), scene, settings).unwrap();
     let mut orbit = OrbitCamera {
         camera: Camera::from_angles(0.3, 0.2),
         size: [800, 600],
@@ -60,7 +64,10 @@ fn fit_centers_the_body_beside_the_panel() {
 
 #[test]
 fn slice_line_cuts_along_itself() {
-    let (mut session, mut orbit) = set_up();
+    let (mut session, mut orbit) = set_up_with(Settings {
+        material: incise_models::scenes::sprung(),
+        ..Settings::default()
+    });
     let mut pointer = Pointer::default();
     let way = [[20.0, 280.0], [580.0, 330.0]];
     drag(&mut pointer, false, way, &mut orbit, &mut session);

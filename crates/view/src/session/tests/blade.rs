@@ -107,8 +107,11 @@ fn stroke(s: &mut Session, end: f32) {
 
 /// A session without gravity, whose held blade is progressive.
 fn floating() -> Session {
-    let mut s = session();
-    let mut settings = Settings::default();
+    float(session())
+}
+
+fn float(mut s: Session) -> Session {
+    let mut settings = *s.settings();
     settings.scene.solver.gravity = [0.0; 3];
     s.apply(Command::Set(settings));
     s
@@ -169,7 +172,7 @@ fn progressive_blade_goes_on_through_the_body_and_parts_it() {
 
 #[test]
 fn strokes_are_undone_and_redone_to_the_same_bits() {
-    let mut s = floating();
+    let mut s = float(surface_session());
     let state = |s: &Session| {
         let surface = s.surface();
         let places = surface.positions().iter().map(|p| [p[0], p[1], p[2]]);
