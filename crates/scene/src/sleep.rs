@@ -32,8 +32,8 @@ incise_params::params! {
         /// observation. This takes more than 32 frames, [`SleepParams::LAG`] included. Rounding
         /// adds up to four times as much: a few units in the last place of the body's largest
         /// coordinate. A body whose coordinates round more coarsely stays awake. A body that creeps
-        /// more slowly than this is stopped by its sleep. Edges are those of the surface, of a solid
-        /// those of its cells ([`incise_pbd_gpu::Solver::resolution`]).
+        /// more slowly than this is stopped by its sleep. Edges are those of the surface, or of the
+        /// cells of a solid ([`incise_pbd_gpu::Solver::resolution`]).
         speed: f32 = 6e-3, range: Range::NOT_NEGATIVE, unit: "edges per second";
         /// Time for which every vertex must be slower.
         ///
