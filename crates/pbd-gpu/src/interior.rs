@@ -59,6 +59,8 @@ pub(crate) struct Interior {
     pub(crate) near: Vec<Near>,
     /// Mass by rest area at creation [kg/m^2].
     area_density: f64,
+    /// Least mass of a node \[kg\], unless there is not enough for all.
+    least_mass: f64,
     /// Mean rest length of the edges of the surface at creation \[m\].
     pub(crate) mean_rest_length: f64,
     edits: EditRecords,
@@ -108,6 +110,7 @@ impl Interior {
             pin_starts: Vec::new(),
             near: Vec::new(),
             area_density: mass / surface.lumped_rest_areas().iter().sum::<f64>(),
+            least_mass: 0.0,
             mean_rest_length: surface.mean_rest_edge_length(),
             edits: EditRecords::default(),
             scratch: EditScratch::default(),

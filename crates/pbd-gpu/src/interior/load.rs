@@ -27,7 +27,7 @@ impl Interior {
         if self.mass.len() != nodes || !self.mass.iter().all(is_mass) {
             return Err(invalid("masses of nodes"));
         }
-        let scales = [self.area_density, self.mean_rest_length];
+        let scales = [self.area_density, self.least_mass, self.mean_rest_length];
         if !scales
             .iter()
             .all(|scale| scale.is_finite() && *scale >= 0.0)

@@ -4,11 +4,12 @@ use super::Interior;
 use crate::particles::inverse;
 use incise_mesh::{Surface, VertexId, index_u32};
 
-/// Least mass of a node, by the mean one of its body.
+/// Least mass of a node, by the mean one of its body at creation, which cuts make smaller.
 ///
 /// A light node turns a force into a large motion, and the step of a Gauss-Seidel sweep at its
-/// neighbors becomes as small. Mass ratios of ten converge like equal masses.
-const LEAST_MASS: f64 = 0.1;
+/// neighbors becomes as small. Mass ratios of ten converge like equal masses. More than a tenth by
+/// the rounding of masses and of their inverses.
+const LEAST_MASS: f64 = 0.100_001;
 
 impl Interior {
     /// Distributes a total mass over the nodes by their shares of the volume, and updates what
@@ -16,6 +17,8 @@ impl Interior {
     ///
     /// No node has less than [`LEAST_MASS`]. The others become lighter by as much.
     pub(crate) fn set_masses(&mut self, surface: &mut Surface, total: f64) {
+        let count = index_u32(self.lattice.node_positions.len().max(1));
+        self.least_mass = LEAST_MASS * total / f64::from(count);
         self.share_mass(0..index_u32(self.lattice.node_positions.len()), total);
         let all = vec![true; self.positions.len()];
         self.update_weights_of(surface, &all);
@@ -24,14 +27,7 @@ impl Interior {
     /// Distributes a mass over some nodes.
     #[expect(clippy::cast_possible_truncation, reason = "rounded to storage")]
     pub(super) fn share_mass(&mut self, nodes: impl Iterator<Item = u32> + Clone, total: f64) {
-        for node in nodes.clone() {
-            self.mass[node as usize] = 0.0;
-        }
-        let volumes = &self.lattice.node_volumes;
-        // Free slots have neither volume nor mass.
-        let count = volumes.iter().filter(|&&volume| volume != 0.0).count();
-        let others: f64 = self.mass.iter().map(|&mass| f64::from(mass)).sum();
-        let least = LEAST_MASS * (others + total) / f64::from(index_u32(count.max(1)));
+        let (volumes, least) = (&self.lattice.node_volumes, self.least_mass);
         let volume = |node: u32| volumes[node as usize];
         let sum: f64 = nodes.clone().map(volume).sum();
         let density = if sum > 0.0 { total / sum } else { 0.0 };
