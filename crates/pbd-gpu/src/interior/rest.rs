@@ -74,8 +74,8 @@ impl Interior {
     /// lies.
     ///
     /// Returns the copy in which the target is least outside of the cell, its rest position from a
-    /// guess, and how far it is outside \[cells\]. In a long triangle a new vertex may lie many cells
-    /// from its parents.
+    /// guess, and how far it is outside \[cells\]. In a long triangle a new vertex may lie many
+    /// cells from its parents.
     fn walk(&self, mut copy: u32, target: Vec3, guess: Vec3) -> Option<(u32, Vec3, f64)> {
         let mut best: Option<(u32, Vec3, f64)> = None;
         let mut visited = Vec::new();
