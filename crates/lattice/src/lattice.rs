@@ -147,22 +147,6 @@ impl Lattice {
             .is_some_and(|&count| count > 0)
     }
 
-    /// Returns a copy that a copy meets in a face of its cell: twice the axis, plus 1 for the upper
-    /// one.
-    ///
-    /// The first one where the body is divided beside it. `None` at the surface of the body.
-    #[must_use]
-    pub fn beside(&self, copy: u32, face: usize) -> Option<u32> {
-        let parts = &self.state.parts;
-        let cell = *self.cells.get(copy as usize)?;
-        let mut own = parts.of_cell(cell);
-        let own = own.find(|&part| parts.get(part).copy == copy)?;
-        let links = parts.get(own).links.iter();
-        let others = links.filter(|link| link.face() == face);
-        let mut others = others.map(|link| parts.carrying_copy(link.part()));
-        others.find(|&other| other != copy)
-    }
-
     /// Returns the position of a vertex slot, given those of all nodes \[m\].
     #[must_use]
     pub fn embedded(&self, slot: usize, nodes: &[[f64; 3]]) -> Vec3 {

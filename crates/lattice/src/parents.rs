@@ -115,7 +115,7 @@ impl Lattice {
     /// known.
     fn parent_beside(&self, work: &Work, own: Open<'_>) -> u32 {
         let known = self.met_beside(work, own);
-        let first = self.known_beside(work, own).min().map(|own| own.1);
+        let first = self.beside(work, own).min().map(|own| own.1);
         known.or(first).unwrap_or(NONE)
     }
 
@@ -130,7 +130,7 @@ impl Lattice {
         let old_parts = &work.old_parts[own.solved.old_parts.clone()];
         let met = old_parts.iter().filter(|&&old| {
             let copy = parts.get(old).old_copy;
-            (self.known_beside(work, own)).any(|beside| shares_nodes(copy, beside.1))
+            (self.beside(work, own)).any(|beside| shares_nodes(copy, beside.1))
         });
         // Parts that a neighbor carried have no copy in the cell.
         let size = |&&old: &&u32| match parts.carries_itself(old) {
@@ -143,7 +143,7 @@ impl Lattice {
     }
 
     /// Returns the known copies before the edit of the parts that a part meets, with their orders.
-    fn known_beside(&self, work: &Work, own: Open<'_>) -> impl Iterator<Item = ((u32, u32), u32)> {
+    fn beside(&self, work: &Work, own: Open<'_>) -> impl Iterator<Item = ((u32, u32), u32)> {
         let parts = &self.state.parts;
         parts.get(own.part).links.iter().filter_map(|link| {
             let other = parts.get(link.part());

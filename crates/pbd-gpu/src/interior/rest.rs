@@ -14,9 +14,6 @@ const MAX_STEPS: usize = 16;
 /// guesses. Rounding to 24 bits makes them equal if both have converged to many more digits.
 const CONVERGED: f64 = 1e-12;
 
-/// Maximum number of cells on the way to a target: three sides of the largest lattices.
-const MAX_WALK: usize = 3 * 64;
-
 /// Distance beyond its cell up to which a point is in it [cells].
 const OUTSIDE: f64 = 1e-3;
 
@@ -50,14 +47,15 @@ impl Interior {
             let rest = surface.rest_position(v);
             let mut best: Option<(u32, Vec3, f64)> = None;
             for &copy in &candidates {
-                let Some(found) = self.walk(copy, target, rest) else {
+                let Some(at) = self.rest_of(copy, target, rest) else {
                     continue;
                 };
-                if best.is_none_or(|best| found.2 < best.2) {
-                    best = Some(found);
+                let outside = self.outside(copy, at);
+                if best.is_none_or(|best| outside < best.2) {
+                    best = Some((copy, at, outside));
                 }
                 // The others can only be as good.
-                if found.2 <= 0.0 {
+                if outside <= 0.0 {
                     break;
                 }
             }
@@ -68,47 +66,6 @@ impl Interior {
                 surface.rest_positions_mut()[v.index()] = at;
             }
         }
-    }
-
-    /// Walks from a copy to the one that holds a target \[m\], through the faces behind which it
-    /// lies.
-    ///
-    /// Returns the copy in which the target is least outside of the cell, its rest position from a
-    /// guess, and how far it is outside \[cells\]. In a long triangle a new vertex may lie many
-    /// cells from its parents.
-    fn walk(&self, mut copy: u32, target: Vec3, guess: Vec3) -> Option<(u32, Vec3, f64)> {
-        let mut best: Option<(u32, Vec3, f64)> = None;
-        let mut visited = Vec::new();
-        while visited.len() < MAX_WALK && !visited.contains(&copy) {
-            visited.push(copy);
-            let Some(at) = self.rest_of(copy, target, guess) else {
-                break;
-            };
-            let outside = self.outside(copy, at);
-            if best.is_none_or(|best| outside < best.2) {
-                best = Some((copy, at, outside));
-            }
-            let Some(next) = self.toward(copy, at).filter(|_| outside > 0.0) else {
-                break;
-            };
-            copy = next;
-        }
-        best
-    }
-
-    /// Returns the copy behind the face of a cell that a rest position is farthest beyond, among
-    /// those with a copy behind them.
-    fn toward(&self, copy: u32, at: Vec3) -> Option<u32> {
-        let place = self.place(copy, at);
-        let mut faces: [(f64, usize); 6] = std::array::from_fn(|face| {
-            let along = place[face / 2];
-            let beyond = if face % 2 == 0 { -along } else { along - 1.0 };
-            (beyond, face)
-        });
-        faces.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        let behind = faces.iter().filter(|face| face.0 > OUTSIDE);
-        let mut behind = behind.filter_map(|face| self.lattice.beside(copy, face.1));
-        behind.next()
     }
 
     /// Returns the rest position that a copy maps to `target` \[m\], from a guess.
@@ -160,15 +117,10 @@ impl Interior {
 
     /// Returns how far a rest position is outside of a copy's cell [cells].
     fn outside(&self, copy: u32, at: Vec3) -> f64 {
-        let place = self.place(copy, at);
-        let beyond = place.iter().map(|p| (-p).max(p - 1.0)).fold(0.0, f64::max);
-        (beyond - OUTSIDE).max(0.0)
-    }
-
-    /// Returns a rest position from the low corner of a copy's cell [cells].
-    fn place(&self, copy: u32, at: Vec3) -> Vec3 {
         let grid = &self.lattice.grid;
         let low = grid.corner(grid.cell(self.lattice.cells[copy as usize]), 0);
-        (at - low) / grid.cell_size()
+        let place = (at - low) / grid.cell_size();
+        let beyond = place.iter().map(|p| (-p).max(p - 1.0)).fold(0.0, f64::max);
+        (beyond - OUTSIDE).max(0.0)
     }
 }

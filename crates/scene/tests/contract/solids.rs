@@ -92,25 +92,6 @@ fn pieces_of_falling_solids_keep_their_shape_and_motion() {
 
 /// Regression: full cells replaced by equal ones had no inverse masses, and cells of one piece took
 /// their nodes from another one that it touched at rest.
-/// Regression: a new vertex of a long triangle lies many cells from its parents. By the map of a
-/// parent's cell it jumped by half an edge, in a second cut by 1.3 edges.
-#[test]
-fn new_vertices_of_long_triangles_stay_where_they_are_cut() {
-    for frames in [20, 40, 60, 120] {
-        let mut scene = Scene::new(SceneParams::default());
-        scene.colliders.push(Collider::ground(-0.6));
-        let material = Material::soft_body();
-        let id = scene.add_body(icosphere(2, 0.5), &material).unwrap();
-        for _ in 0..frames {
-            scene.step().unwrap();
-        }
-        let [first, _] = cut(&mut scene, id, [0.0, 1.0, 0.1]);
-        assert!(first < 0.02, "{frames} frames: {first} edges");
-        let [second, _] = cut(&mut scene, id, [1.0, 0.2, 0.1]);
-        assert!(second < 0.3, "{frames} frames: {second} edges");
-    }
-}
-
 #[test]
 fn a_coarse_body_is_cut_on_the_ground() {
     for seed in 0..6 {
