@@ -109,7 +109,6 @@ macro_rules! stress_tests {
 stress_tests! {
     short:
     primitives: "primitive"
-    solid_primitives: "primitive solids"
     loads: "T3"
     scales: "T8"
     sleepers: "T12"
@@ -124,6 +123,7 @@ stress_tests! {
     blocks: "block";
     long:
     still_bodies: "still"
+    solid_primitives: "primitive solids"
     time_steps: "T1"
     compliances: "T2"
     pressures: "T10"
