@@ -74,9 +74,9 @@ pub(crate) struct State {
     /// By node, the number of copies with it.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) node_users: Vec<u32>,
-    /// Unused numbers, the next one last. An undo frees and takes them in the reverse order of its
-    /// edit, so that numbers come back.
+    /// Unused copies, a stack, so that an undo takes back the numbers that its edit freed.
     pub(crate) free_copies: Vec<u32>,
+    /// Unused nodes, a stack as well.
     pub(crate) free_nodes: Vec<u32>,
 }
 

@@ -18,8 +18,8 @@ impl Lattice {
     /// it meets: it was in the copy of its cell that shared nodes with theirs or, where the cell
     /// was empty, beside one of these. Of two pieces that touched at rest, it is never the other
     /// one. A part that meets none, and of which no old vertex is left, was in the largest part
-    /// there. A part that joins several copies goes on in the largest one, which has kept the
-    /// number before the edit that an undo takes back.
+    /// there. A part that joins several copies takes over the largest one, which has kept its
+    /// number since before the cut.
     pub(crate) fn find_parents(&mut self, work: &Work) {
         let parts = &mut self.state.parts;
         for &part in &work.old_parts {

@@ -95,7 +95,7 @@ impl Interior {
         }
         self.update_weights_of(surface, &scratch.is_changed);
         if let Some(record) = &undone {
-            // Their sums depend on the order of cells, which an undo changes.
+            // The sums depend on the order of cells, which an undo changes.
             self.restore_forces(record);
         }
         match is_joined {
@@ -282,7 +282,7 @@ impl Interior {
             if let (Some([x, y, z]), Some([u, v, w])) = (self.position(slot), self.velocity(slot)) {
                 let at = &mut surface.positions_mut()[slot];
                 *at = [x, y, z, at[3]];
-                // Those that the caller has set are for the next step.
+                // The next step reads velocities that the caller has set.
                 if !self.has_new_velocities {
                     velocities[slot] = [u, v, w, 0.0];
                 }

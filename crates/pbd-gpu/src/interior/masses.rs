@@ -4,11 +4,10 @@ use super::Interior;
 use crate::particles::inverse;
 use incise_mesh::{Surface, VertexId, index_u32};
 
-/// Least mass of a node, by the mean one of its body at creation, which cuts make smaller.
+/// Least mass of a node, relative to the mean mass of the body's nodes at creation.
 ///
-/// A light node turns a force into a large motion, and the step of a Gauss-Seidel sweep at its
-/// neighbors becomes as small. Mass ratios of ten converge like equal masses. More than a tenth by
-/// the rounding of masses and of their inverses.
+/// The bound of the ratio is a tenth. Masses and their inverses are rounded to 24 bits, each by up
+/// to 6e-8, so a floor that exceeds the bound by 1e-5 holds it in storage.
 const LEAST_MASS: f64 = 0.100_001;
 
 impl Interior {

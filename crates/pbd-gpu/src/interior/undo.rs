@@ -213,7 +213,7 @@ impl Interior {
         let nodes = self.positions.iter().zip(&self.velocities);
         let mut sum = 0_u64;
         for (i, (x, v)) in (0_u64..).zip(nodes) {
-            // Unused numbers may be added and stay.
+            // Unused nodes have no state, and a later edit may add more of them.
             if x[3] == 0.0 {
                 continue;
             }
