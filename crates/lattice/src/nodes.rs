@@ -32,8 +32,8 @@ struct NewCorner {
 impl Lattice {
     /// Updates the nodes at the corners of cells with other copies than before, and their volumes.
     ///
-    /// Where copies no longer share a node, the first one that had it keeps it. Where copies share a
-    /// node again, they take the node of the first one. An undo therefore restores the numbers.
+    /// Where copies no longer share a node, the first one that had it keeps it. Where copies share
+    /// a node again, they take the node of the first one. An undo therefore restores the numbers.
     pub(crate) fn update_nodes(&mut self, work: &Work, change: &mut LatticeChange) {
         let mut own = Vec::new();
         let mut changed = Vec::new();

@@ -74,11 +74,6 @@ impl FollowState {
         self.scratch.mass_transfer.reserve(slots, vertices);
     }
 
-    /// Returns whether the last edit was an undo of a body that had moved since the undone edit.
-    pub(crate) fn is_late_undo(&self) -> bool {
-        self.is_late_undo
-    }
-
     /// Returns the surviving first vertices of the interior springs that the last edit removed.
     pub(crate) fn lost_interior_springs(&self) -> &[VertexId] {
         &self.lost_interior_springs

@@ -23,7 +23,7 @@ use crate::material::Solid;
 use crate::particles::Pin;
 use follow::EditScratch;
 use incise_lattice::{Lattice, LatticeParams};
-use incise_mesh::{Surface, VertexId};
+use incise_mesh::{Partition, Surface, VertexId};
 use undo::EditRecords;
 pub use undo::SolidState;
 
@@ -226,6 +226,19 @@ impl Interior {
         self.pin_starts = starts;
         self.last_pins.clear();
         self.last_pins.extend_from_slice(pins);
+    }
+
+    /// Returns the nodes that cells connect.
+    fn pieces(&self) -> Partition {
+        let mut sets = Partition::new(self.positions.len());
+        for (copy, nodes) in (0..).zip(&self.lattice.nodes) {
+            if self.lattice.is_copy(copy) {
+                for pair in nodes.windows(2) {
+                    sets.join(pair[0], pair[1]);
+                }
+            }
+        }
+        sets
     }
 
     /// Returns the allocated size in elements.

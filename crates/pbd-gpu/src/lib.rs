@@ -12,6 +12,7 @@ mod material;
 mod parallel;
 mod particles;
 mod patches;
+mod rigid_frame;
 mod solver;
 mod step;
 

@@ -4,7 +4,7 @@
 //! what is left at the vertices of each node. So a moved, turned or stretched piece is exact.
 
 use super::Interior;
-use incise_mesh::{Partition, Surface, Vec3, index_u32};
+use incise_mesh::{Surface, Vec3, index_u32};
 use nalgebra::Matrix3;
 
 /// Regularization of the second moments of a piece, relative to their trace: flat pieces have no
@@ -63,14 +63,7 @@ impl Interior {
     /// Returns the affine map of each node's piece; `None` for nodes without a vertex.
     fn fit(&self, change: impl Fn(&Self, usize) -> Option<Vec3>) -> Vec<Option<Affine>> {
         let count = self.positions.len();
-        let mut sets = Partition::new(count);
-        for (copy, nodes) in (0..).zip(&self.lattice.nodes) {
-            if self.lattice.is_copy(copy) {
-                for pair in nodes.windows(2) {
-                    sets.join(pair[0], pair[1]);
-                }
-            }
-        }
+        let mut sets = self.pieces();
         // By piece: count, sums of positions and changes, then their products.
         let mut sums = vec![(0.0, Vec3::zeros(), Vec3::zeros()); count];
         let mut products = vec![(Matrix3::zeros(), Matrix3::zeros()); count];

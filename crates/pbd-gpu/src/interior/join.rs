@@ -4,20 +4,11 @@
 //! of their deformations remains, as a strain of the cells that they share again.
 
 use super::Interior;
-use incise_mesh::{Partition, Surface, TopologyDelta, Vec3, index_u32};
-use nalgebra::Matrix3;
+use crate::rigid_frame::RigidFrame;
+use incise_mesh::{Surface, TopologyDelta, Vec3, index_u32};
 
 /// No piece.
 const NONE: u32 = u32::MAX;
-
-/// The rigid motion from rest that is closest to the motion of some nodes.
-#[derive(Debug, Clone, Copy)]
-struct Frame {
-    mass: f64,
-    center: Vec3,
-    rest_center: Vec3,
-    rotation: Matrix3<f64>,
-}
 
 impl Interior {
     /// Moves the pieces that an undo joins into one frame, before the lattice follows it.
@@ -28,14 +19,7 @@ impl Interior {
             return false;
         }
         let count = self.positions.len();
-        let mut sets = Partition::new(count);
-        for (copy, nodes) in (0..).zip(&self.lattice.nodes) {
-            if self.lattice.is_copy(copy) {
-                for pair in nodes.windows(2) {
-                    sets.join(pair[0], pair[1]);
-                }
-            }
-        }
+        let mut sets = self.pieces();
         // The present piece of each former one, which its first node names.
         let mut present = vec![NONE; count];
         for v in surface.topology().vertices() {
@@ -65,7 +49,7 @@ impl Interior {
 
     /// Moves former pieces, each given with the root of its nodes, into the frame of the heaviest.
     fn align(&mut self, members: &[(u32, u32)], roots: &[u32]) {
-        let frames: Vec<Frame> = members
+        let frames: Vec<RigidFrame> = members
             .iter()
             .map(|&(_, root)| self.frame(|node| roots[node] == root))
             .collect();
@@ -73,12 +57,13 @@ impl Interior {
             return;
         };
         let mass: f64 = frames.iter().map(|frame| frame.mass).sum();
-        let place = |rest: Vec3| target.center + target.rotation * (rest - target.rest_center);
-        let moved = |frame: &Frame| (place(frame.rest_center) - frame.center) * frame.mass;
+        // Where the center of a piece lies in the frame of the heaviest one.
+        let place = |frame: &RigidFrame| target.to_present(frame.to_rest(frame.center));
+        let moved = |frame: &RigidFrame| (place(frame) - frame.center) * frame.mass;
         let shift = frames.iter().map(moved).sum::<Vec3>() / mass;
         for (frame, &(_, root)) in frames.iter().zip(members) {
             let turn = target.rotation * frame.rotation.transpose();
-            let center = place(frame.rest_center) - shift;
+            let center = place(frame) - shift;
             for (x, _) in (self.positions.iter_mut().zip(roots)).filter(|own| *own.1 == root) {
                 let arm = vector(*x) - frame.center;
                 let [a, b, c] = to_row(center + turn * arm);
@@ -93,40 +78,15 @@ impl Interior {
         }
     }
 
-    /// Returns the frame of the nodes that a predicate selects.
-    fn frame(&self, is_own: impl Fn(usize) -> bool) -> Frame {
-        let nodes = || {
-            let all = self.positions.iter().zip(&self.lattice.node_positions);
-            let all = all.zip(&self.mass).enumerate();
-            all.filter(|(node, _)| is_own(*node))
-                .map(|(_, ((x, rest), mass))| (vector(*x), Vec3::from(*rest), f64::from(*mass)))
-        };
-        let mass: f64 = nodes().map(|(.., m)| m).sum();
-        let center = nodes().map(|(x, _, m)| x * m).sum::<Vec3>() / mass;
-        let rest_center = nodes().map(|(_, rest, m)| rest * m).sum::<Vec3>() / mass;
-        let products: Matrix3<f64> = nodes()
-            .map(|(x, rest, m)| (x - center) * (rest - rest_center).transpose() * m)
-            .sum();
-        Frame {
-            mass,
-            center,
-            rest_center,
-            rotation: nearest_rotation(products),
-        }
+    /// Returns the rigid motion of the nodes that a predicate selects.
+    fn frame(&self, is_own: impl Fn(usize) -> bool) -> RigidFrame {
+        let is_own = &is_own;
+        let all = self.positions.iter().zip(&self.lattice.node_positions);
+        let own = (all.zip(&self.mass).enumerate()).filter(move |(node, _)| is_own(*node));
+        RigidFrame::of(
+            own.map(|(_, ((x, rest), mass))| (vector(*x), Vec3::from(*rest), f64::from(*mass))),
+        )
     }
-}
-
-/// Returns the rotation nearest to a matrix.
-fn nearest_rotation(matrix: Matrix3<f64>) -> Matrix3<f64> {
-    let svd = matrix.svd(true, true);
-    let (Some(u), Some(v)) = (svd.u, svd.v_t) else {
-        return Matrix3::identity();
-    };
-    // A reflection would turn the direction of least extent inside out.
-    let mut signs = Vec3::new(1.0, 1.0, 1.0);
-    let least = svd.singular_values.imin();
-    signs[least] = (u * v).determinant().signum();
-    u * Matrix3::from_diagonal(&signs) * v
 }
 
 fn vector(row: [f32; 4]) -> Vec3 {

@@ -5,10 +5,10 @@
 
 use super::Solver;
 use crate::error::StepError;
+use crate::rigid_frame::RigidFrame;
 use crate::step::params::SolverParams;
 use incise_mesh::geometry::{Vec3, to_f32};
 use incise_mesh::{Surface, VertexId};
-use nalgebra::Matrix3;
 
 /// Maximum number of steps from rest.
 const MAX_STEPS: u32 = 30;
@@ -35,7 +35,7 @@ impl Solver {
         dt: f32,
         params: &SolverParams,
     ) -> Result<bool, StepError> {
-        if !self.follow.is_late_undo() {
+        if !self.follow.is_late_undo {
             return Ok(false);
         }
         if self.is_solid() {
@@ -89,7 +89,7 @@ impl Solver {
         members.sort_unstable();
         for members in members.chunk_by(|a, b| a.present == b.present) {
             let parts: Vec<&[Member]> = members.chunk_by(|a, b| a.former == b.former).collect();
-            let frames: Vec<Frame> = (parts.iter())
+            let frames: Vec<RigidFrame> = (parts.iter())
                 .map(|part| self.frame(surface, part))
                 .collect();
             let known = parts.iter().zip(&frames);
@@ -120,25 +120,12 @@ impl Solver {
     }
 
     /// Returns the rigid motion that brings vertices closest to where they are.
-    fn frame(&self, surface: &Surface, members: &[Member]) -> Frame {
-        let masses = |member: &Member| f64::from(self.particles.mass[member.vertex.index()]);
-        let mass: f64 = members.iter().map(masses).sum();
-        let mean = |of: &dyn Fn(VertexId) -> Vec3| {
-            let moments = members.iter().map(|m| of(m.vertex) * masses(m));
-            moments.sum::<Vec3>() / mass
-        };
-        let center = mean(&|v| surface.position(v));
-        let rest_center = mean(&|v| surface.rest_position(v));
-        let terms = members.iter().map(|m| {
-            let rest = surface.rest_position(m.vertex) - rest_center;
-            (surface.position(m.vertex) - center) * rest.transpose() * masses(m)
-        });
-        Frame {
-            mass,
-            center,
-            rest_center,
-            rotation: nearest_rotation(terms.sum()),
-        }
+    fn frame(&self, surface: &Surface, members: &[Member]) -> RigidFrame {
+        RigidFrame::of(members.iter().map(|member| {
+            let v = member.vertex;
+            let mass = f64::from(self.particles.mass[v.index()]);
+            (surface.position(v), surface.rest_position(v), mass)
+        }))
     }
 }
 
@@ -148,40 +135,6 @@ struct Member {
     present: u32,
     former: Option<u32>,
     vertex: VertexId,
-}
-
-/// A rigid motion from rest positions to present positions.
-#[derive(Debug, Clone, Copy)]
-struct Frame {
-    /// \[kg\]
-    mass: f64,
-    /// Center of mass \[m\].
-    center: Vec3,
-    /// Center of mass at rest \[m\].
-    rest_center: Vec3,
-    rotation: Matrix3<f64>,
-}
-
-impl Frame {
-    fn to_rest(self, at: Vec3) -> Vec3 {
-        self.rotation.transpose() * (at - self.center) + self.rest_center
-    }
-
-    fn to_present(self, at: Vec3) -> Vec3 {
-        self.rotation * (at - self.rest_center) + self.center
-    }
-}
-
-/// Returns the rotation nearest to a covariance (Kabsch 1976).
-fn nearest_rotation(covariance: Matrix3<f64>) -> Matrix3<f64> {
-    let svd = covariance.svd(true, true);
-    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
-        return Matrix3::identity();
-    };
-    let smallest = svd.singular_values.imin();
-    let mut signs = Vec3::repeat(1.0);
-    signs[smallest] = (u * v_t).determinant().signum();
-    u * Matrix3::from_diagonal(&signs) * v_t
 }
 
 /// Sets a position and keeps the inverse mass.
